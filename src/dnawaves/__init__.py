@@ -1,0 +1,1 @@
+"""Waves along DNA: all-atom simulation held against elastic-rod theory."""

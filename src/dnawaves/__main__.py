@@ -1,0 +1,5 @@
+"""`python -m dnawaves`: the command line."""
+
+from dnawaves.cli import main
+
+main()
