@@ -1,0 +1,1 @@
+"""Elastic-rod theory of DNA: constants, dispersion, finite chains and standing waves."""
