@@ -1,0 +1,1 @@
+"""What an experiment declares, read and checked before anything runs."""

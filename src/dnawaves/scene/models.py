@@ -1,0 +1,363 @@
+"""What an experiment may declare: the configuration's models, frozen and closed to unknown keys."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    NonNegativeInt,
+    PositiveFloat,
+    model_validator,
+)
+
+Wave = Literal["extension", "twist", "bend", "shear"]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
+SMALLEST_PULSE_TIMESTEPS = 10
+
+
+def _distinct(scales: tuple[float, ...]) -> tuple[float, ...]:
+    if len(set(scales)) != len(scales):
+        raise ValueError(f"scales must differ from each other, found {list(scales)}")
+    return scales
+
+
+Scales = Annotated[tuple[PositiveFloat, ...], Field(min_length=1), AfterValidator(_distinct)]
+
+
+class Model(BaseModel):
+    """A part of the configuration."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=False)
+
+
+class Relaxation(Model):
+    """The way from the built duplex to the minimum that every scene of the system starts from."""
+
+    anneal_temperature_K: Annotated[float, Field(ge=0, le=400)] = Field(
+        150.0, description="temperature at which the anneal starts; it falls linearly to zero"
+    )
+    anneal_ps: Annotated[float, Field(ge=0, le=10_000)] = Field(
+        12.0, description="length of the anneal; another length or seed finds another structure"
+    )
+    seed: NonNegativeInt = Field(1, description="seed of the anneal's velocities and noise")
+    force_tolerance_kJ_per_mol_nm: PositiveFloat = Field(
+        1e-4, description="root-mean-square force at which the structure counts as a minimum"
+    )
+
+
+class Environment(Model):
+    """What surrounds the duplex and by which forces its atoms act on each other."""
+
+    force_field: Literal["OL21", "OL15", "bsc1"] = Field(
+        "OL21", description="Amber DNA force field"
+    )
+    counterion_fraction: Annotated[float, Field(ge=0, le=1)] = Field(
+        1.0, description="condensed counterion charge per phosphate, spread over P, OP1 and OP2"
+    )
+    cutoff_nm: Annotated[float, Field(ge=0.8, le=3.0)] = Field(
+        1.2, description="where the reaction field's force has come to zero"
+    )
+    switch_nm: Annotated[float, Field(ge=0.5, le=3.0)] = Field(
+        1.0, description="where the Lennard-Jones potential starts to be switched off"
+    )
+    relaxation: Relaxation = Relaxation()
+
+    @model_validator(mode="after")
+    def _switch_below_cutoff(self) -> Self:
+        if self.switch_nm >= self.cutoff_nm:
+            raise ValueError(
+                f"switch_nm must be below cutoff_nm ({self.cutoff_nm:g}), found {self.switch_nm:g}"
+            )
+        return self
+
+
+class Ends(Model):
+    """How the two ends are held: a held base pair's atoms do not move."""
+
+    first: Literal["free", "held"] = Field("free", description="the end at base pair 1")
+    last: Literal["free", "held", "guided"] = Field(
+        "held",
+        description="the end at base pair N; guided: it moves as a rigid body, only along or "
+        "about the axis, as a static load pushes it",
+    )
+    pairs: Annotated[int, Field(ge=1, le=10)] = Field(
+        1, description="number of base pairs that are held at a held end"
+    )
+
+
+class _Moved(Model):
+    """A wave and how strongly it is excited; exactly the amplitude that fits the wave is given."""
+
+    wave: Wave = Field(description="which of the rod's four waves")
+
+
+class _Kicked(_Moved):
+    velocity_A_per_ps: Annotated[float, Field(gt=0, le=20)] | None = Field(
+        None, description="largest velocity put in (extension, shear)"
+    )
+    angular_velocity_rad_per_ps: Annotated[float, Field(gt=0, le=2)] | None = Field(
+        None, description="largest angular velocity put in (twist, bend)"
+    )
+    scales: Scales = Field(
+        (1.0,), description="multiples of the kick that are run, each as a pair of opposite signs"
+    )
+
+    @model_validator(mode="after")
+    def _one_amplitude(self) -> Self:
+        _one_amplitude(
+            self.wave,
+            velocity_A_per_ps=self.velocity_A_per_ps,
+            angular_velocity_rad_per_ps=self.angular_velocity_rad_per_ps,
+        )
+        return self
+
+    @property
+    def amplitude(self) -> float:
+        """Largest velocity (Å/ps) or angular velocity (rad/ps) at scale 1."""
+        return _given(self.velocity_A_per_ps, self.angular_velocity_rad_per_ps)
+
+
+class _Forced(_Moved):
+    force_pN: Annotated[float, Field(gt=0, le=5000)] | None = Field(
+        None, description="largest total force (extension, shear)"
+    )
+    torque_pN_nm: Annotated[float, Field(gt=0, le=5000)] | None = Field(
+        None, description="largest total torque (twist, bend)"
+    )
+
+    @model_validator(mode="after")
+    def _one_amplitude(self) -> Self:
+        _one_amplitude(self.wave, force_pN=self.force_pN, torque_pN_nm=self.torque_pN_nm)
+        return self
+
+    @property
+    def amplitude(self) -> float:
+        """Largest total force (pN) or torque (pN nm)."""
+        return _given(self.force_pN, self.torque_pN_nm)
+
+
+class _Local(Model):
+    pairs: Annotated[int, Field(ge=1, le=50)] = Field(
+        3, description="number of free base pairs next to the first end that are excited"
+    )
+
+
+class Kick(_Kicked, _Local):
+    """An impulse in time on the base pairs next to the first end."""
+
+    kind: Literal["kick"]
+
+
+class StandingWave(_Kicked):
+    """An impulse in time over the whole duplex, in the shape of a standing wave."""
+
+    kind: Literal["standing_wave"]
+    mode: Annotated[int, Field(ge=1, le=20)] = Field(description="number of the standing wave")
+
+
+class Pulse(_Forced, _Local):
+    """A force or torque on the base pairs next to the first end, Gaussian in time."""
+
+    kind: Literal["pulse"]
+    width_fs: PositiveFloat | None = Field(
+        None, description="standard deviation in time; left out: from the first estimate"
+    )
+
+
+class Sweep(Model):
+    """Drive frequencies that hold both the paper's lowest mode and that of a fitted rod."""
+
+    scene: Name = Field(description="scene whose fitted speed gives the rod's lowest mode")
+    points: Annotated[int, Field(ge=2, le=50)] = Field(5, description="number of frequencies")
+
+
+class Periodic(_Forced, _Local):
+    """A sinusoidal force or torque on the base pairs next to the first end."""
+
+    kind: Literal["periodic"]
+    frequencies_GHz: Annotated[tuple[PositiveFloat, ...], Field(min_length=1)] | None = Field(
+        None, description="drive frequencies, one run each"
+    )
+    sweep: Sweep | None = Field(None, description="frequencies from a fitted scene instead")
+
+    @model_validator(mode="after")
+    def _one_source_of_frequencies(self) -> Self:
+        if (self.frequencies_GHz is None) == (self.sweep is None):
+            raise ValueError("give either frequencies_GHz or sweep, not both and not neither")
+        return self
+
+
+class Static(_Forced):
+    """A constant load on the last base pair; the duplex is relaxed under it."""
+
+    kind: Literal["static"]
+    wave: Literal["extension", "twist"] = Field(description="pulled along or turned about the axis")
+    scales: Scales = Field((1.0,), description="multiples of the load, each with both signs")
+
+
+class Nothing(Model):
+    """No excitation: the null that shows what the estimators make of no wave."""
+
+    kind: Literal["none"]
+
+
+Excitation = Annotated[
+    Kick | StandingWave | Pulse | Periodic | Static | Nothing, Field(discriminator="kind")
+]
+
+
+class Observation(Model):
+    """What is recorded, how long and how often."""
+
+    timestep_fs: Annotated[float, Field(gt=0, le=3.0)] = Field(
+        2.0, description="velocity Verlet timestep"
+    )
+    duration_ps: Annotated[float, Field(gt=0, le=1e6)] | None = Field(
+        None, description="length of the record; left out: `crossings` by the first estimate"
+    )
+    crossings: Annotated[float, Field(gt=0, le=1000)] = Field(
+        1.2, description="length of the record in crossings of the duplex, by the first estimate"
+    )
+    interval_fs: Annotated[float, Field(gt=0, le=1e5)] | None = Field(
+        None, description="time between frames; left out: from the first estimate"
+    )
+    helical: bool = Field(
+        False, description="also record the base atoms and derive helical parameters"
+    )
+
+
+class Scene(Model):
+    """One experiment: a duplex, its environment, its ends, what excites it, what is observed."""
+
+    duplex: Name = Field(description="name of a duplex in the structures file")
+    environment: Name = Field(description="name of an environment of this file")
+    ends: Ends = Ends()
+    excitation: Excitation
+    observation: Observation = Observation()
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        excitation, ends, observed = self.excitation, self.ends, self.observation
+        both_held = ends.first == "held" and ends.last == "held"
+        if isinstance(excitation, StandingWave | Periodic) and not both_held:
+            raise ValueError(
+                f"excitation.kind '{excitation.kind}' needs both ends held, "
+                f"found ends.first '{ends.first}', ends.last '{ends.last}'"
+            )
+        if isinstance(excitation, Static) != (ends.last == "guided") or (
+            isinstance(excitation, Static) and ends.first != "held"
+        ):
+            raise ValueError(
+                "excitation.kind 'static' goes with ends.first 'held' and ends.last 'guided', "
+                f"found kind '{excitation.kind}' with '{ends.first}' and '{ends.last}'"
+            )
+        if isinstance(excitation, Static) and observed.helical:
+            raise ValueError(
+                "excitation.kind 'static' has no trajectory, so observation.helical must be "
+                "false, found true"
+            )
+        interval_fs = observed.interval_fs
+        if interval_fs is not None and interval_fs < observed.timestep_fs:
+            raise ValueError(
+                f"observation.interval_fs must be at least timestep_fs "
+                f"({observed.timestep_fs:g}), found {interval_fs:g}"
+            )
+        if isinstance(excitation, Periodic) and excitation.frequencies_GHz and interval_fs:
+            nyquist_GHz = 0.5e6 / interval_fs
+            for frequency_GHz in excitation.frequencies_GHz:
+                if frequency_GHz >= nyquist_GHz:
+                    raise ValueError(
+                        f"excitation.frequencies_GHz must lie below the recording's Nyquist "
+                        f"frequency, {nyquist_GHz:g} GHz at observation.interval_fs "
+                        f"{interval_fs:g}, found {frequency_GHz:g}"
+                    )
+        if isinstance(excitation, Pulse) and excitation.width_fs is not None:
+            least_fs = SMALLEST_PULSE_TIMESTEPS * observed.timestep_fs
+            if excitation.width_fs < least_fs:
+                raise ValueError(
+                    f"excitation.width_fs must be at least {SMALLEST_PULSE_TIMESTEPS} timesteps, "
+                    f"{least_fs:g} fs, found {excitation.width_fs:g}"
+                )
+        return self
+
+
+class Configuration(Model):
+    """A configuration file: named environments and named scenes."""
+
+    structures: str = Field(description="file of named sequences, relative to this file")
+    environments: dict[Name, Environment] = Field(min_length=1)
+    scenes: dict[Name, Scene] = Field(min_length=1)
+
+
+class NamedDuplex(Model):
+    """A duplex: its name and strand I from 5' to 3'."""
+
+    name: Name
+    sequence: str
+
+
+class SystemSpec(Model):
+    """A duplex in an environment: all that the relaxed structure depends on."""
+
+    duplex: NamedDuplex
+    environment_name: Name
+    environment: Environment
+
+    @property
+    def name(self) -> str:
+        """Name of the system's folder."""
+        return f"{self.duplex.name}-{self.environment_name}"
+
+
+class SceneSpec(Model):
+    """A scene with everything that its names stand for."""
+
+    name: Name
+    system: SystemSpec
+    ends: Ends
+    excitation: Excitation
+    observation: Observation
+
+    @property
+    def members(self) -> tuple[str, ...]:
+        """Names of the scene's runs."""
+        excitation = self.excitation
+        if isinstance(excitation, Kick | StandingWave | Static):
+            return tuple(f"x{scale:g}" for scale in excitation.scales)
+        if isinstance(excitation, Periodic):
+            points = len(excitation.frequencies_GHz or ()) or (
+                excitation.sweep.points if excitation.sweep else 0
+            )
+            return tuple(f"f{index}" for index in range(1, points + 1))
+        return ("run",)
+
+    @property
+    def signs(self) -> tuple[str, ...]:
+        """Names of the copies that each run simulates."""
+        return ("plus",) if isinstance(self.excitation, Nothing) else ("plus", "minus")
+
+    @property
+    def needs(self) -> tuple[str, ...]:
+        """Names of the scenes whose fitted speed this scene's drive is chosen from."""
+        if isinstance(self.excitation, Periodic) and self.excitation.sweep:
+            return (self.excitation.sweep.scene,)
+        return ()
+
+
+def _one_amplitude(wave: str, **amplitudes: float | None) -> None:
+    linear, angular = amplitudes
+    wanted = linear if wave in ("extension", "shear") else angular
+    found = [name for name, value in amplitudes.items() if value is not None]
+    if found != [wanted]:
+        raise ValueError(
+            f"a wave of {wave} takes {wanted} and no other amplitude, "
+            f"found {' and '.join(found) or 'none'}"
+        )
+
+
+def _given(linear: float | None, angular: float | None) -> float:
+    return linear if linear is not None else float(angular or 0.0)

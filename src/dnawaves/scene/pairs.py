@@ -1,0 +1,18 @@
+"""Which base pairs of a scene are held and which are excited, as indices from 0."""
+
+from __future__ import annotations
+
+from dnawaves.scene.models import Ends, Kick, Periodic, Pulse
+
+
+def held_pairs(ends: Ends, pairs: int) -> list[int]:
+    """Return the base pairs that do not move."""
+    first = list(range(ends.pairs)) if ends.first == "held" else []
+    last = list(range(pairs - ends.pairs, pairs)) if ends.last == "held" else []
+    return first + last
+
+
+def excited_pairs(excitation: Kick | Pulse | Periodic, ends: Ends) -> list[int]:
+    """Return the free base pairs next to the first end that are excited."""
+    start = ends.pairs if ends.first == "held" else 0
+    return list(range(start, start + excitation.pairs))

@@ -1,0 +1,114 @@
+"""What a scene resolves to: its system, its runs, and what they depend on."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from pydantic import ValidationError
+
+from dnawaves.errors import InputError
+from dnawaves.files import read_json, write_json
+from dnawaves.scene.freeze import freeze, freeze_scene, freeze_system
+from dnawaves.scene.load import load_scenes, read_scene, read_system
+from dnawaves.scene.models import Environment
+from dnawaves.scene.table import scene_table
+
+
+def test_names_are_resolved(write_configuration: Any) -> None:
+    system = load_scenes(write_configuration())["kicked"].system
+    assert system.name == "mixed12-condensed"
+    assert system.duplex.sequence == "CGATCAGTCACG"
+    assert system.environment.relaxation.anneal_ps == 2
+
+
+@pytest.mark.parametrize(
+    ("scene", "members", "signs", "needs"),
+    [
+        ("kicked", ("x1",), ("plus", "minus"), ()),
+        ("standing", ("x1", "x0.5"), ("plus", "minus"), ()),
+        ("driven", ("f1", "f2"), ("plus", "minus"), ()),
+        ("swept", ("f1", "f2", "f3"), ("plus", "minus"), ("kicked",)),
+        ("loaded", ("x1",), ("plus", "minus"), ()),
+        ("quiet", ("run",), ("plus",), ()),
+    ],
+)
+def test_runs_of_a_scene(
+    write_configuration: Any,
+    scene: str,
+    members: tuple[str, ...],
+    signs: tuple[str, ...],
+    needs: tuple[str, ...],
+) -> None:
+    spec = load_scenes(write_configuration())[scene]
+    assert (spec.members, spec.signs, spec.needs) == (members, signs, needs)
+
+
+def test_models_are_frozen() -> None:
+    with pytest.raises(ValidationError, match="frozen"):
+        Environment().cutoff_nm = 2.0  # type: ignore[misc]
+
+
+def test_a_frozen_scene_and_system_read_back_as_they_were(
+    write_configuration: Any, tmp_path: Path
+) -> None:
+    path = write_configuration()
+    for name, scene in load_scenes(path).items():
+        freeze_scene(path, name, tmp_path / "scene.json")
+        assert read_scene(tmp_path / "scene.json") == scene
+        freeze_system(path, scene.system.name, tmp_path / "system.json")
+        assert read_system(tmp_path / "system.json") == scene.system
+
+
+def test_freezing_an_unknown_name_lists_the_known(write_configuration: Any, tmp_path: Path) -> None:
+    path = write_configuration()
+    with pytest.raises(InputError, match="scene: found 'kick'; allowed: driven, kicked, loaded"):
+        freeze(path, "kick", None, tmp_path / "scene.json")
+    with pytest.raises(InputError, match="system: found 'x'; allowed: mixed12-condensed"):
+        freeze(path, None, "x", tmp_path / "system.json")
+    with pytest.raises(InputError, match="either --scene or --system"):
+        freeze(path, None, None, tmp_path / "neither.json")
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("broken", ["{}", "[1]", "{"])
+def test_a_file_that_was_not_frozen_is_refused_by_name(tmp_path: Path, broken: str) -> None:
+    path = tmp_path / "scene.json"
+    path.write_text(broken)
+    with pytest.raises(InputError, match=r"scene\.json: "):
+        read_scene(path)
+
+
+def test_a_frozen_scene_with_one_key_too_many_is_refused(
+    write_configuration: Any, tmp_path: Path
+) -> None:
+    path = tmp_path / "scene.json"
+    freeze_scene(write_configuration(), "quiet", path)
+    write_json(path, {**read_json(path), "colour": "blue"})
+    with pytest.raises(InputError, match="colour"):
+        read_scene(path)
+
+
+def test_the_table_has_a_line_for_each_scene(write_configuration: Any) -> None:
+    header, *lines = scene_table(load_scenes(write_configuration())).splitlines()
+    assert header.split() == [
+        "scene",
+        "duplex",
+        "bp",
+        "environment",
+        "ends",
+        "excitation",
+        "runs",
+    ]
+    assert lines[2].split() == [
+        "standing",
+        "mixed12",
+        "12",
+        "condensed",
+        "held-held",
+        "standing_wave",
+        "bend",
+        "x1",
+        "x0.5",
+    ]
