@@ -1,0 +1,1 @@
+"""Sequences, and the atoms of an ideal B-DNA duplex."""
