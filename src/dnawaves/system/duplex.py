@@ -1,0 +1,104 @@
+"""A duplex that can be simulated: topology, forces, masses, base pairs, helix axis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+import openmm
+from numpy.typing import NDArray
+from openmm import app, unit
+
+from dnawaves.scene.models import SystemSpec
+from dnawaves.system.forces import build_system
+from dnawaves.system.geometry import (
+    HelixFrame,
+    helix_frame,
+    pair_labels,
+    pair_of_atoms,
+    sugar_anchors,
+)
+from dnawaves.system.rigid_body import RigidBodies
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SimulatedDuplex:
+    """A duplex in its environment at positions (atoms, 3) in nm."""
+
+    spec: SystemSpec
+    topology: app.Topology
+    positions_nm: Array
+
+    @cached_property
+    def system(self) -> openmm.System:
+        """The OpenMM System with every atom free."""
+        return build_system(self.topology, self.spec.environment)
+
+    @cached_property
+    def masses_Da(self) -> Array:
+        """Masses of the atoms, shape (atoms,)."""
+        return np.array(
+            [
+                self.system.getParticleMass(index).value_in_unit(unit.dalton)
+                for index in range(self.system.getNumParticles())
+            ]
+        )
+
+    @cached_property
+    def pairs(self) -> NDArray[np.intp]:
+        """Index of each atom's base pair, shape (atoms,)."""
+        return pair_of_atoms(self.topology)
+
+    @property
+    def pair_count(self) -> int:
+        """Number N of base pairs."""
+        return len(self.spec.duplex.sequence)
+
+    @property
+    def labels(self) -> list[str]:
+        """Label of each base pair, such as 'A:1-B:24'."""
+        return pair_labels(self.topology)
+
+    @cached_property
+    def frame(self) -> HelixFrame:
+        """The straight helix axis of these positions."""
+        return helix_frame(self.positions_nm[sugar_anchors(self.topology)])
+
+    @cached_property
+    def bodies(self) -> RigidBodies:
+        """The base pairs as rigid bodies about these positions."""
+        return RigidBodies(self.positions_nm, self.masses_Da, self.pairs)
+
+    @cached_property
+    def heights_nm(self) -> Array:
+        """Coordinate of each base pair along the axis: the midpoint of its C1' atoms, (N,)."""
+        anchors = self.positions_nm[sugar_anchors(self.topology)]
+        return self.frame.height_nm(anchors.mean(axis=0))
+
+    @property
+    def spacing_nm(self) -> float:
+        """Mean distance of neighbouring base pairs along the axis."""
+        return float(self.heights_nm[-1] - self.heights_nm[0]) / (self.pair_count - 1)
+
+    @property
+    def axial_inertia_Da_nm2(self) -> Array:
+        """Moment of inertia of each base pair about the helix axis, shape (N,)."""
+        arms = self.positions_nm - self.frame.on_axis(self.positions_nm)
+        moments = self.masses_Da * np.sum(arms**2, axis=1)
+        return np.bincount(self.pairs, moments).astype(np.float64)
+
+    def with_positions(self, positions_nm: Array) -> SimulatedDuplex:
+        """Return the same duplex at other positions."""
+        return SimulatedDuplex(self.spec, self.topology, positions_nm)
+
+
+def read_built(spec: SystemSpec, structure: Path) -> SimulatedDuplex:
+    """Return the duplex of a structure file as `dnawaves build` wrote it."""
+    pdb = app.PDBFile(str(structure))
+    return SimulatedDuplex(
+        spec, pdb.topology, np.array(pdb.positions.value_in_unit(unit.nanometer))
+    )
