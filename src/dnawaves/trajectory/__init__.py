@@ -1,0 +1,1 @@
+"""Simulations: what excites a duplex, how it is integrated, what is recorded."""

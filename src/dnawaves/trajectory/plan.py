@@ -1,0 +1,119 @@
+"""How long a run lasts, how often it is recorded, and the frequencies that drive it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from dnawaves.errors import InputError
+from dnawaves.rod.rod import Rod, short_wave_speeds_A_per_ps
+from dnawaves.scene.models import Periodic, Pulse, SceneSpec
+
+# Samples in one period of the fastest wave, twice what resolves it and some to spare.
+SAMPLES_PER_PERIOD = 10
+# A pulse this many crossing times of one base-pair step wide biases the speed by about 1 %:
+# error = a² / (16 σ² V²).
+PULSE_STEPS = 2.5
+SWEEP_MARGIN = 1.3
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Numbers of a run: all in ps; `steps_per_frame` timesteps between frames."""
+
+    timestep_ps: float
+    steps_per_frame: int
+    frames: int
+    frequency_GHz: float | None = None
+    pulse_width_ps: float | None = None
+
+    @property
+    def interval_ps(self) -> float:
+        """Time between frames."""
+        return self.timestep_ps * self.steps_per_frame
+
+    @property
+    def steps(self) -> int:
+        """Number of timesteps."""
+        return self.steps_per_frame * (self.frames - 1)
+
+
+def make_plan(
+    scene: SceneSpec,
+    member: str,
+    estimates_A_per_ps: Mapping[str, float],
+    length_A: float,
+    fitted_speed_A_per_ps: float | None = None,
+) -> Plan:
+    """Return the plan of one member of a scene.
+
+    Parameters
+    ----------
+    estimates_A_per_ps : first estimates of the speeds of extension and twist
+    length_A : length of the duplex along its axis
+    fitted_speed_A_per_ps : speed fitted to the scene that a sweep names
+
+    Raises
+    ------
+    InputError
+        When the member is not one of the scene's, or the frames are too rare for the drive.
+    """
+    if member not in scene.members:
+        raise InputError(
+            f"scene '{scene.name}': found member {member!r}; allowed: {', '.join(scene.members)}"
+        )
+    observation, excitation = scene.observation, scene.excitation
+    wave = getattr(excitation, "wave", "extension")
+    speed = estimates_A_per_ps["extension" if wave == "extension" else "twist"]
+    spacing_A = length_A / (len(scene.system.duplex.sequence) - 1)
+    duration_ps = observation.duration_ps or observation.crossings * length_A / speed
+    fastest = max(estimates_A_per_ps.values())
+    # Period at the edge of the base-pair lattice's band: pi a / V.
+    interval_ps = np.pi * spacing_A / fastest / SAMPLES_PER_PERIOD
+    frequency_GHz = None
+    if isinstance(excitation, Periodic):
+        frequency_GHz = drive_frequencies_GHz(excitation, length_A, fitted_speed_A_per_ps)[
+            scene.members.index(member)
+        ]
+        interval_ps = min(interval_ps, 1e3 / frequency_GHz / SAMPLES_PER_PERIOD)
+    if observation.interval_fs is not None:
+        interval_ps = observation.interval_fs / 1e3
+        if frequency_GHz is not None and frequency_GHz >= 500 / interval_ps:
+            raise InputError(
+                f"scene '{scene.name}': observation.interval_fs: found "
+                f"{observation.interval_fs:g}; allowed: below {5e5 / frequency_GHz:g}, the "
+                f"Nyquist limit of the drive at {frequency_GHz:g} GHz"
+            )
+    timestep_ps = observation.timestep_fs / 1e3
+    steps_per_frame = max(1, int(interval_ps / timestep_ps + 1e-9))
+    frames = int(np.ceil(duration_ps / (steps_per_frame * timestep_ps))) + 1
+    pulse_width_ps = None
+    if isinstance(excitation, Pulse):
+        pulse_width_ps = (
+            excitation.width_fs / 1e3 if excitation.width_fs else PULSE_STEPS * spacing_A / speed
+        )
+    return Plan(timestep_ps, steps_per_frame, frames, frequency_GHz, pulse_width_ps)
+
+
+def drive_frequencies_GHz(
+    excitation: Periodic, length_A: float, fitted_speed_A_per_ps: float | None
+) -> tuple[float, ...]:
+    """Return the frequencies of a periodic scene.
+
+    A sweep spans the lowest modes V/2L of the paper's rod and of the fitted one with a margin.
+    """
+    if excitation.frequencies_GHz is not None:
+        return excitation.frequencies_GHz
+    assert excitation.sweep is not None
+    if fitted_speed_A_per_ps is None:
+        raise InputError(
+            f"excitation.sweep needs the fitted speed of scene '{excitation.sweep.scene}'"
+        )
+    paper = short_wave_speeds_A_per_ps(Rod.paper())[excitation.wave]
+    modes_GHz = [1e3 * speed / (2 * length_A) for speed in (paper, fitted_speed_A_per_ps)]
+    sweep = np.linspace(
+        min(modes_GHz) / SWEEP_MARGIN, max(modes_GHz) * SWEEP_MARGIN, excitation.sweep.points
+    )
+    return tuple(float(frequency) for frequency in sweep)

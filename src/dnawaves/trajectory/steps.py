@@ -1,0 +1,67 @@
+"""The step that simulates one member of a scene, from files to files."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pandas as pd
+import scipy.sparse
+
+from dnawaves.files import read_netcdf, write_netcdf
+from dnawaves.scene.load import read_scene
+from dnawaves.scene.models import Static
+from dnawaves.system.relax import read_relaxed
+from dnawaves.trajectory.load import relax_under_load
+from dnawaves.trajectory.plan import make_plan
+from dnawaves.trajectory.record import SIGNS
+from dnawaves.trajectory.run import run_member
+
+
+def simulate_step(
+    scene_json: Path,
+    built: Path,
+    relaxed: Path,
+    hessian: Path,
+    member: str,
+    output: Path,
+    trajectory: Path | None,
+    fitted: Path | None,
+    threads: int,
+) -> None:
+    """Simulate one member of a scene; write its motion and, if asked for, its trajectories.
+
+    `hessian` is read for a static load only. `trajectory` is a folder that gets one DCD file of
+    base atoms for each sign; `fitted` is the table of speeds of the scene that a sweep names.
+    """
+    scene = read_scene(scene_json)
+    duplex = read_relaxed(scene.system, built, relaxed)
+    attributes = read_netcdf(relaxed).attrs
+    estimates = {
+        wave: float(attributes[f"first_estimate_{wave}_A_per_ps"])
+        for wave in ("extension", "twist")
+    }
+    length_A = 10 * float(duplex.heights_nm[-1] - duplex.heights_nm[0])
+    plan = make_plan(scene, member, estimates, length_A, _fitted_speed(fitted))
+    if isinstance(scene.excitation, Static):
+        matrix = scipy.sparse.load_npz(hessian).toarray()
+        write_netcdf(output, relax_under_load(duplex, scene, plan, float(member[1:]), matrix))
+        return
+    if trajectory is None:
+        write_netcdf(output, run_member(duplex, scene, plan, member, {}, threads).dataset())
+        return
+    partial = trajectory.with_name(f".partial.{trajectory.name}")
+    shutil.rmtree(partial, ignore_errors=True)
+    partial.mkdir(parents=True)
+    files = {SIGNS[name]: partial / f"{name}.dcd" for name in scene.signs}
+    recorder = run_member(duplex, scene, plan, member, files, threads)
+    shutil.rmtree(trajectory, ignore_errors=True)
+    partial.rename(trajectory)
+    write_netcdf(output, recorder.dataset())
+
+
+def _fitted_speed(speeds: Path | None) -> float | None:
+    if speeds is None:
+        return None
+    table = pd.read_csv(speeds)
+    return float(table.loc[table["estimator"] == "waveform", "speed_A_per_ps"].iloc[0])
