@@ -1,0 +1,30 @@
+"""The standard reference frame of the bases.
+
+Source: Olson et al. (2001) J. Mol. Biol. 313, 229-237, table 1.
+"""
+
+from __future__ import annotations
+
+import csv
+from functools import cache
+from importlib.resources import files
+
+import numpy as np
+
+from dnawaves.helical.vectors import Array
+
+
+@cache
+def standard_ring(letter: str) -> dict[str, Array]:
+    """Return ring atom name -> position (3,) in Å in the frame of base A, C, G, T or U.
+
+    Nine atoms for a purine, six for a pyrimidine: those of the least-squares fit.
+    """
+    table = files("dnawaves.helical").joinpath("data/standard_base_frames.csv")
+    lines = table.read_text(encoding="utf-8").splitlines()
+    rows = csv.DictReader(line for line in lines if not line.startswith("#"))
+    return {
+        row["atom"]: np.array([float(row[axis]) for axis in "xyz"])
+        for row in rows
+        if row["base"] == letter and row["ring_fit_atom"] == "1"
+    }
