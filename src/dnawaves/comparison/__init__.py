@@ -1,0 +1,1 @@
+"""All scenes side by side, held against the theory."""

@@ -1,0 +1,104 @@
+"""The step that puts all scenes' estimates into one table with verdicts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import pandas as pd
+
+from dnawaves.files import read_netcdf, whole_file
+from dnawaves.waves.table import CSV_FORMAT, read_table
+
+# Estimators of one wave that differ by more than this are said to disagree.
+AGREEMENT = 0.10
+
+
+def compare_step(speeds: Sequence[Path], structures: Sequence[Path], output: Path) -> None:
+    """Write the comparison of all scenes with the paper's rod.
+
+    `speeds` are the scenes' tables, `structures` the inspections of their systems.
+    """
+    verdicts = {}
+    for path in structures:
+        attributes = read_netcdf(path).attrs
+        verdicts[str(attributes["system"])] = str(attributes["verdict"])
+    table = compare([read_table(path) for path in speeds], verdicts)
+    with whole_file(output) as temporary:
+        table.to_csv(temporary, index=False, float_format=CSV_FORMAT)
+
+
+def compare(tables: Sequence[pd.DataFrame], b_form: Mapping[str, str]) -> pd.DataFrame:
+    """Return one table with a verdict on every estimate and on the structure it was made in."""
+    table = pd.concat(
+        [table.dropna(axis="columns", how="all") for table in tables], ignore_index=True
+    ).reindex(columns=tables[0].columns)
+    table["structure"] = [b_form[str(system)] for system in table["system"]]
+    table["verdict"] = [_verdict(row) for _, row in table.iterrows()]
+    return table
+
+
+def _verdict(row: pd.Series) -> str:
+    if pd.isna(row["speed_A_per_ps"]):
+        return "no wave" if row["estimator"] == "none" else "no speed"
+    ratio = f"{row['ratio_to_paper']:.2f} times the paper's"
+    if row["structure"] != "B-DNA":
+        return f"{ratio}; structure is {row['structure']}"
+    if "poor fit" in row["reason"]:
+        return f"{ratio}: undecided, poor fit"
+    low, high = row["low_A_per_ps"], row["high_A_per_ps"]
+    if not pd.isna(low) and low <= row["paper_A_per_ps"] <= high:
+        return f"{ratio}: agrees"
+    return f"{ratio}: disagrees"
+
+
+def agreement(table: pd.DataFrame, wave: str) -> list[str]:
+    """Return sentences on how the estimators of one wave in one system agree with each other.
+
+    The lowest standing wave is the yardstick; where an estimator is further from it than 10 %,
+    the sentence says what is known about why.
+    """
+    return [
+        sentence
+        for _, group in table[table["wave"] == wave].groupby("system", sort=False)
+        for sentence in _agreement_in_system(group)
+    ]
+
+
+def _agreement_in_system(group: pd.DataFrame) -> list[str]:
+    known = group[group["speed_A_per_ps"].notna()]
+    standing = known[known["estimator"] == "standing wave"].sort_values("frequency_GHz")
+    if standing.empty:
+        return []
+    yardstick = standing.iloc[0]
+    speed = float(yardstick["speed_A_per_ps"])
+    sentences = [
+        f"Yardstick: the lowest standing wave ({yardstick['scene']}), {speed:.1f} Å/ps at "
+        f"{yardstick['frequency_GHz']:.0f} GHz."
+    ]
+    for _, row in known.iterrows():
+        if row["scene"] == yardstick["scene"] or "held" in row["estimator"]:
+            continue
+        change = float(row["speed_A_per_ps"]) / speed - 1
+        words = "agrees" if abs(change) <= AGREEMENT else "differs"
+        sentence = f"{row['scene']}, {row['estimator']}: {change:+.0%}, {words}"
+        sentences.append(sentence + (f" ({_why(row, known)})." if words == "differs" else "."))
+    return sentences
+
+
+def _why(row: pd.Series, group: pd.DataFrame) -> str:
+    if row["estimator"].startswith("static"):
+        held = group[group["estimator"] == "static, held across"]
+        value = f", {held.iloc[0]['speed_A_per_ps']:.1f} Å/ps" if len(held) else ""
+        return (
+            "a static load lets the base pairs move across the axis and tilt, and softens the "
+            f"duplex as it grows; the vanishing load with motion across the axis held{value}"
+        )
+    if row["estimator"] == "standing wave":
+        return (
+            f"a shorter wave, {row['frequency_GHz']:.0f} GHz, in which other branches mix: "
+            f"misfit {row['misfit']:.2f}"
+        )
+    if row["estimator"] == "arrival":
+        return "the front is made of the shortest waves, which other branches mix into"
+    return f"the uniform chain is the wrong model for this record: misfit {row['misfit']:.2f}"

@@ -1,0 +1,1 @@
+"""From recorded motion to the displacement fields of the four waves."""

@@ -1,0 +1,121 @@
+"""Is the relaxed duplex still B-DNA? Its helical parameters, pairing and distance from ideal."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import MDAnalysis
+import mdtraj
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from dnawaves.duplex.build import watson_crick_bonds, write_pdb
+from dnawaves.files import provenance, whole_file, write_netcdf
+from dnawaves.helical.analysis import HelicalParameters
+from dnawaves.scene.load import read_system
+from dnawaves.system.duplex import SimulatedDuplex
+from dnawaves.system.relax import read_relaxed
+from dnawaves.trajectory.record import base_atoms
+
+# What still counts as B-DNA: bounds on the mean over the interior steps.
+RISE_RANGE_A = (3.0, 3.6)
+TWIST_RANGE_DEG = (30.0, 40.0)
+# Terminal steps fray; two off each end are left out of the mean.
+TERMINAL_STEPS = 2
+FEWEST_BONDS = 2
+
+
+def inspect_step(
+    system_json: Path,
+    built: Path,
+    relaxed: Path,
+    output: Path,
+    base_atoms_output: Path,
+    structure: Path,
+) -> None:
+    """Write the relaxed structure as PDB, whole and base atoms only, and what it looks like."""
+    duplex = read_relaxed(read_system(system_json), built, relaxed)
+    with TemporaryDirectory() as folder:
+        pdb = Path(folder) / "relaxed.pdb"
+        write_pdb(duplex.topology, duplex.positions_nm, pdb)
+        universe = MDAnalysis.Universe(str(pdb))
+        dataset = inspect_structure(duplex, built, pdb)
+        with whole_file(structure) as temporary:
+            temporary.write_bytes(pdb.read_bytes())
+        with whole_file(base_atoms_output) as temporary:
+            universe.atoms[base_atoms(duplex)].write(str(temporary))
+    write_netcdf(output, dataset)
+
+
+def inspect_structure(duplex: SimulatedDuplex, built: Path, relaxed: Path) -> xr.Dataset:
+    """Return helical parameters, hydrogen bonds and RMSD of a relaxed structure, with a verdict."""
+    universe = MDAnalysis.Universe(str(relaxed))
+    universe.atoms.positions = (10 * duplex.positions_nm).astype(np.float32)
+    dataset = HelicalParameters(universe.atoms).run().results.dataset.isel(time=0)
+    bonds = hydrogen_bonds(duplex, relaxed)
+    lost = [
+        str(label)
+        for label, count in zip(dataset["pair"].values, bonds, strict=True)
+        if count < FEWEST_BONDS
+    ]
+    steps = dataset.sizes["step"]
+    margin = TERMINAL_STEPS if steps > 2 * TERMINAL_STEPS else 0
+    inside = slice(margin, steps - margin)
+    means = {
+        name: float(dataset[name].isel(step=inside).mean()) for name in ("rise", "twist", "roll")
+    }
+    dataset["hydrogen_bonds"] = (
+        ("pair",),
+        bonds,
+        {"long_name": "Watson-Crick hydrogen bonds (Baker and Hubbard 1984)"},
+    )
+    dataset.attrs |= {
+        "interior_rise_A": means["rise"],
+        "interior_twist_deg": means["twist"],
+        "interior_roll_deg": means["roll"],
+        "rmsd_to_built_A": heavy_atom_rmsd_A(built, relaxed),
+        "lost_pairs": ", ".join(lost),
+        "verdict": b_form_verdict(means["rise"], means["twist"], lost),
+        "system": duplex.spec.name,
+        **provenance("MDAnalysis", "mdtraj"),
+    }
+    return dataset
+
+
+def b_form_verdict(rise_A: float, twist_deg: float, lost_pairs: list[str]) -> str:
+    """Return 'B-DNA', or what is not as in B-DNA."""
+    faults = []
+    for name, value, (low, high), unit in (
+        ("rise", rise_A, RISE_RANGE_A, "Å"),
+        ("twist", twist_deg, TWIST_RANGE_DEG, "°"),
+    ):
+        if not low <= value <= high:
+            faults.append(f"interior {name} {value:.2f} {unit} outside {low:g}-{high:g} {unit}")
+    if lost_pairs:
+        faults.append(f"Watson-Crick pair lost: {', '.join(lost_pairs)}")
+    return "not B-DNA: " + "; ".join(faults) if faults else "B-DNA"
+
+
+def hydrogen_bonds(duplex: SimulatedDuplex, structure: Path) -> NDArray[np.int64]:
+    """Return the number of Watson-Crick hydrogen bonds of each base pair, found by mdtraj."""
+    frame = mdtraj.load(str(structure))
+    found = {
+        frozenset((int(donor), int(acceptor)))
+        for donor, _, acceptor in mdtraj.baker_hubbard(frame, freq=0.0, periodic=False)
+    }
+    return np.array(
+        [
+            sum(frozenset(bond) in found for bond in pair)
+            for pair in watson_crick_bonds(duplex.topology)
+        ],
+        dtype=np.int64,
+    )
+
+
+def heavy_atom_rmsd_A(built: Path, relaxed: Path) -> float:
+    """Return the heavy atoms' least-squares RMSD between two structures, by mdtraj."""
+    one, other = (mdtraj.load(str(path)) for path in (built, relaxed))
+    heavy = one.topology.select("element != H")
+    return 10 * float(mdtraj.rmsd(other, one, atom_indices=heavy)[0])

@@ -1,0 +1,1 @@
+"""Spectra and speeds: what the recorded waves say, each estimator with its misfit."""

@@ -1,0 +1,349 @@
+"""All estimates that a scene's excitation calls for, with their spread."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dnawaves.rod.dispersion import lattice_speed_from_frequency
+from dnawaves.rod.standing import (
+    axial_frequency_rad_per_ps,
+    axial_standing_wave,
+    axial_wavenumber,
+    bend_standing_wave,
+    shear_standing_wave,
+)
+from dnawaves.scene.models import (
+    Kick,
+    Nothing,
+    Periodic,
+    Pulse,
+    StandingWave,
+    Static,
+)
+from dnawaves.scene.pairs import excited_pairs
+from dnawaves.units import A_PER_NM, KJ_PER_MOL_PER_PN_NM
+from dnawaves.waves.estimators import (
+    arrival,
+    damped_sine_fit,
+    project_on_shape,
+    project_on_start,
+    resonance_fit,
+    waveform_fit,
+)
+from dnawaves.waves.fit import Fit
+from dnawaves.waves.record import AXIAL_WAVES, Record, paper_rod
+from dnawaves.waves.table import Estimate, spread
+from dnawaves.waves.window import FEWEST_FRAMES, windows
+
+Array = NDArray[np.float64]
+GHZ_PER_RAD_PER_PS = 1e3 / (2 * np.pi)
+ARRIVAL_PAIRS = 3
+# Root of the residual's share: above it, a quarter of the motion's sum of squares is left over.
+POOR_MISFIT = 0.5
+
+
+def analyse(records: Sequence[Record]) -> list[Estimate]:
+    """Return the estimates of one scene from its recorded members."""
+    excitation = records[0].scene.excitation
+    if isinstance(excitation, Nothing):
+        return [_no_wave(records[0], wave) for wave in AXIAL_WAVES]
+    if isinstance(excitation, Static):
+        return _static(records, excitation)
+    if records[0].usable < FEWEST_FRAMES:
+        return [_too_short(records[0], excitation.wave)]
+    if isinstance(excitation, StandingWave):
+        return [_standing(records, excitation)]
+    if isinstance(excitation, Periodic):
+        return [_resonance(records, excitation)]
+    return _local(records, excitation)
+
+
+def _local(records: Sequence[Record], excitation: Kick | Pulse) -> list[Estimate]:
+    estimates = []
+    if isinstance(excitation, Kick) and excitation.wave in AXIAL_WAVES:
+        estimates.append(_waveform(records, excitation.wave))
+    if isinstance(excitation, Kick):
+        estimates.append(_arrival(records, excitation))
+    return estimates
+
+
+def _waveform(records: Sequence[Record], wave: str) -> Estimate:
+    first = records[0]
+
+    def fit(record: Record, frames: int, observed: NDArray[np.bool_] | None = None) -> Fit:
+        return waveform_fit(
+            record.times_ps[:frames],
+            record.velocity(wave)[:frames],
+            record.spacing_nm,
+            record.held,
+            observed,
+        )
+
+    fits = [fit(record, frames) for record in records for frames in windows(record.usable)]
+    parity = np.arange(first.pairs) % 2 == 0
+    fits += [fit(first, first.usable, observed) for observed in (parity, ~parity)]
+    return _from_fits(records, wave, "waveform", [one.rate for one in fits], fits, len(records))
+
+
+def _arrival(records: Sequence[Record], excitation: Kick) -> Estimate:
+    wave = excitation.wave
+    speeds = [
+        speed
+        for record in records
+        for speed in _arrival_speeds(record, excitation, record.velocity(wave))
+    ]
+    paper = _arrival_speeds(records[0], excitation, records[0].paper_velocity(wave))
+    blank = Estimate(
+        records[0].scene.name,
+        wave,
+        "arrival",
+        record_ps=float(records[0].times_ps[-1]),
+        paper_A_per_ps=records[0].paper_speeds_A_per_ps[wave],
+    )
+    if not speeds:
+        return replace(blank, reason="no front has passed the observed base pairs in this record")
+    if wave in AXIAL_WAVES or not paper:
+        return spread(blank, speeds, records[0].paper_speeds_A_per_ps[wave])
+    # A bend or shear front has no single speed: the paper's rod is asked the same question.
+    return spread(blank, speeds, paper[0])
+
+
+def _arrival_speeds(record: Record, excitation: Kick, velocity: Array) -> list[float]:
+    height = record.motion["height"].values
+    source = height[excited_pairs(excitation, record.scene.ends)].mean()
+    free = [pair for pair in range(record.pairs) if pair not in record.held]
+    speeds = []
+    for pair in reversed(free[-ARRIVAL_PAIRS:]):
+        found = arrival(record.times_ps[: record.usable], velocity[: record.usable, pair])
+        if found is not None and found.time_ps > 0:
+            speeds.append(float(height[pair] - source) / found.time_ps)
+    return speeds
+
+
+def _standing(records: Sequence[Record], excitation: StandingWave) -> Estimate:
+    wave, first = excitation.wave, records[0]
+    wavenumber = excitation.mode * np.pi / (first.free_length_A / A_PER_NM)
+    pairs = first.span[1] - first.span[0] + 1
+    fits = []
+    for record in records:
+        projection = standing_projection(record, wave)
+        fits += [
+            damped_sine_fit(record.times_ps[:frames], projection[:frames])
+            for frames in windows(record.usable)
+        ]
+    if wave in AXIAL_WAVES:
+        wavenumber = axial_wavenumber(pairs, excitation.mode, "held", first.spacing_nm)
+        speeds = [
+            float(lattice_speed_from_frequency(fit.rate, wavenumber, first.spacing_nm))
+            for fit in fits
+        ]
+        paper_speed = first.paper_speeds_A_per_ps[wave]
+        paper_frequency = axial_frequency_rad_per_ps(
+            pairs, excitation.mode, "held", paper_speed, first.spacing_nm
+        )
+    else:
+        standing = bend_standing_wave if wave == "bend" else shear_standing_wave
+        rod = paper_rod(first.spacing_nm)
+        paper_frequency = standing(rod, pairs, excitation.mode, "held").frequency_rad_per_ps
+        speeds = [fit.rate / wavenumber * A_PER_NM for fit in fits]
+        paper_speed = paper_frequency / wavenumber * A_PER_NM
+    estimate = _from_fits(records, wave, "standing wave", speeds, fits, len(records), paper_speed)
+    return replace(
+        estimate,
+        frequency_GHz=fits[0].rate * GHZ_PER_RAD_PER_PS,
+        paper_frequency_GHz=paper_frequency * GHZ_PER_RAD_PER_PS,
+        wavenumber_rad_per_A=wavenumber / A_PER_NM,
+    )
+
+
+def _resonance(records: Sequence[Record], excitation: Periodic) -> Estimate:
+    first, wave = records[0], excitation.wave
+    pairs = first.span[1] - first.span[0] + 1
+    wavenumber = axial_wavenumber(pairs, 1, "held", first.spacing_nm)
+    drives = [2e-3 * np.pi * float(record.motion.attrs["frequency_GHz"]) for record in records]
+    projections = [mode_projection(record, wave) for record in records]
+
+    def fit(chosen: Sequence[int], part: float) -> Fit:
+        frames = [max(FEWEST_FRAMES, int(part * records[index].usable)) for index in chosen]
+        return resonance_fit(
+            [records[i].times_ps[:n] for i, n in zip(chosen, frames, strict=True)],
+            [projections[i][:n] for i, n in zip(chosen, frames, strict=True)],
+            [drives[i] for i in chosen],
+        )
+
+    everything = range(len(records))
+    fits = [fit(everything, part) for part in (1.0, 0.75, 0.5)]
+    fits += [fit([index], 1.0) for index in everything] if len(records) > 1 else []
+    speeds = [
+        float(lattice_speed_from_frequency(one.rate, wavenumber, first.spacing_nm)) for one in fits
+    ]
+    paper = first.paper_speeds_A_per_ps[wave]
+    estimate = _from_fits(records, wave, "resonance", speeds, fits, 0, paper)
+    return replace(
+        estimate,
+        frequency_GHz=fits[0].rate * GHZ_PER_RAD_PER_PS,
+        paper_frequency_GHz=1e3 * paper / (2 * first.free_length_A),
+        wavenumber_rad_per_A=wavenumber / A_PER_NM,
+    )
+
+
+def _static(records: Sequence[Record], excitation: Static) -> list[Estimate]:
+    first, wave = records[0], excitation.wave
+    paper = first.paper_speeds_A_per_ps[wave]
+    inside = [record for record in records if not record.motion.attrs["left_basin"]]
+    speeds = [
+        _static_speed(
+            record, float(record.motion.attrs["load"]), record.fields[f"{wave}_displacement"][0, -1]
+        )
+        for record in inside
+    ]
+    name = first.scene.name
+    estimates = []
+    if speeds:
+        loads = ", ".join(f"{float(record.motion.attrs['load']):g}" for record in inside)
+        unit = "pN" if wave == "extension" else "pN nm"
+        estimates.append(
+            replace(
+                spread(Estimate(name, wave, "static"), speeds, paper),
+                reason=f"spread over loads of ±{loads} {unit}",
+            )
+        )
+    for record in records:
+        if record.motion.attrs["left_basin"]:
+            estimates.append(
+                Estimate(
+                    name,
+                    wave,
+                    f"static {record.member}",
+                    paper_A_per_ps=paper,
+                    reason=f"a load of {record.motion.attrs['left_basin']} times "
+                    f"{record.motion.attrs['load']:g} drove the duplex into another minimum",
+                )
+            )
+    response = first.motion["linear_response"]
+    for lock in response["lock"].values:
+        speed = _static_speed(first, 1.0, response.sel(lock=lock))
+        label = "static, no load" if lock == "nothing" else f"static, held {lock}"
+        estimates.append(
+            Estimate(
+                name,
+                wave,
+                label.replace("_", " "),
+                speed_A_per_ps=speed,
+                interval="none: exact linear response",
+                paper_A_per_ps=paper,
+                ratio_to_paper=speed / paper,
+                reason=LOCK_REASONS[str(lock)],
+            )
+        )
+    return estimates
+
+
+LOCK_REASONS = {
+    "nothing": "limit of a vanishing load",
+    "across": "as a wave too fast for the base pairs to move across the axis would find it",
+    "across_and_tilt": "as a wave too fast for them to tilt as well would find it",
+}
+
+
+def _static_speed(record: Record, load: float, displacement: object) -> float:
+    """Return the speed of the rod whose whole length is displaced so far (Å or rad) by a load."""
+    strain = float(displacement) / record.length_A  # type: ignore[arg-type]
+    if record.scene.excitation.wave == "extension":  # type: ignore[union-attr]
+        density = float(record.motion["mass"].values.mean()) / (record.spacing_nm * A_PER_NM)
+        modulus = load * KJ_PER_MOL_PER_PN_NM * A_PER_NM / strain
+    else:
+        density = record.inertia_Da_A2("helix") / (record.spacing_nm * A_PER_NM)
+        modulus = load * KJ_PER_MOL_PER_PN_NM * A_PER_NM**2 / strain
+    return float(np.sqrt(modulus / density))
+
+
+def _no_wave(record: Record, wave: str) -> Estimate:
+    largest = float(np.abs(record.velocity(wave)).max())
+    unit = "Å/ps" if wave == "extension" else "rad/ps"
+    blank = Estimate(
+        record.scene.name,
+        wave,
+        "none",
+        record_ps=float(record.times_ps[-1]),
+        paper_A_per_ps=record.paper_speeds_A_per_ps[wave],
+    )
+    return replace(
+        blank,
+        reason=f"no wave: nothing was put in; the residual motion is at most {largest:.2g} {unit}",
+    )
+
+
+def _too_short(record: Record, wave: str) -> Estimate:
+    blank = Estimate(
+        record.scene.name,
+        wave,
+        "none",
+        window_ps=float(record.times_ps[max(record.usable - 1, 0)]),
+        record_ps=float(record.times_ps[-1]),
+        paper_A_per_ps=record.paper_speeds_A_per_ps[wave],
+    )
+    return replace(
+        blank,
+        reason=f"only {record.usable} frames before the difference of the two signs holds more "
+        f"energy than was put in; at least {FEWEST_FRAMES} are needed",
+    )
+
+
+def standing_projection(record: Record, wave: str) -> Array:
+    """Return the share (time,) of the motion in the standing wave that was kicked."""
+    if wave in AXIAL_WAVES:
+        return project_on_start((1.0, record.velocity(wave)))
+    mass = float(record.motion["mass"].values.mean())
+    return project_on_start(
+        (mass, record.velocity("shear")), (record.inertia_Da_A2("second"), record.velocity("bend"))
+    )
+
+
+def mode_projection(record: Record, wave: str) -> Array:
+    """Return the amplitude (time,) of the lowest standing wave in a velocity field."""
+    first, last = record.span
+    shape = axial_standing_wave(last - first + 1, 1, "held")
+    return project_on_shape(record.velocity(wave)[:, first : last + 1], shape)
+
+
+def _from_fits(
+    records: Sequence[Record],
+    wave: str,
+    estimator: str,
+    speeds: list[float],
+    fits: list[Fit],
+    members: int,
+    paper: float | None = None,
+) -> Estimate:
+    first = records[0]
+    change = None
+    if members > 1:
+        # The members' longest windows stand first in each member's share of the fits.
+        second = len(windows(first.usable))
+        change = abs(speeds[second] / speeds[0] - 1)
+    usable = min(record.usable for record in records)
+    reasons = []
+    if usable < len(first.times_ps):
+        reasons.append("the fit ends where the difference holds more energy than was put in")
+    if fits[0].misfit > POOR_MISFIT:
+        reasons.append("poor fit: the model leaves over a quarter of the motion unexplained")
+    return spread(
+        Estimate(
+            first.scene.name,
+            wave,
+            estimator,
+            misfit=fits[0].misfit,
+            friction_per_ps=fits[0].friction_per_ps,
+            window_ps=float(first.times_ps[usable - 1]),
+            record_ps=float(first.times_ps[-1]),
+            half_kick_change=change,
+            reason="; ".join(reasons),
+        ),
+        speeds,
+        paper if paper is not None else first.paper_speeds_A_per_ps[wave],
+    )

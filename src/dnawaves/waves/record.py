@@ -1,0 +1,122 @@
+"""One recorded run as the estimators see it: fields, ends, spacing and the paper's rod."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from dnawaves.motion.fields import wave_fields
+from dnawaves.rod.chain import PlaneChain, ScalarChain
+from dnawaves.rod.rod import Rod, short_wave_speeds_A_per_ps
+from dnawaves.scene.models import SceneSpec
+from dnawaves.scene.pairs import held_pairs
+from dnawaves.units import A_PER_NM
+from dnawaves.waves.window import usable_frames
+
+Array = NDArray[np.float64]
+
+AXIAL_WAVES = ("extension", "twist")
+
+
+@dataclass(frozen=True)
+class Record:
+    """A recorded member of a scene."""
+
+    scene: SceneSpec
+    member: str
+    motion: xr.Dataset
+
+    @cached_property
+    def fields(self) -> xr.Dataset:
+        """Displacements and velocities of the waves, (time, pair)."""
+        return wave_fields(self.motion)
+
+    @property
+    def times_ps(self) -> Array:
+        """Times of the frames."""
+        return np.asarray(self.motion["time"].values)
+
+    def velocity(self, wave: str) -> Array:
+        """Velocity field (time, pair) of a wave, Å/ps or rad/ps."""
+        return np.asarray(self.fields[f"{wave}_velocity"].values)
+
+    @cached_property
+    def usable(self) -> int:
+        """Number of frames before the difference holds more energy than was put in."""
+        return usable_frames(self.fields)
+
+    @property
+    def pairs(self) -> int:
+        """Number of base pairs."""
+        return int(self.motion.sizes["pair"])
+
+    @property
+    def held(self) -> list[int]:
+        """Indices of the base pairs that do not move."""
+        return held_pairs(self.scene.ends, self.pairs)
+
+    @property
+    def length_A(self) -> float:
+        """Length of the duplex along its axis, first to last base pair."""
+        height = self.motion["height"].values
+        return float(height[-1] - height[0])
+
+    @property
+    def spacing_nm(self) -> float:
+        """Mean distance of base pairs along the axis."""
+        return self.length_A / (self.pairs - 1) / A_PER_NM
+
+    @property
+    def span(self) -> tuple[int, int]:
+        """First and last base pair that a wave can reach: the innermost held ones, or the ends."""
+        first = self.scene.ends.pairs - 1 if self.scene.ends.first == "held" else 0
+        outer = self.scene.ends.pairs - 1 if self.scene.ends.last == "held" else 0
+        return first, self.pairs - 1 - outer
+
+    @property
+    def free_length_A(self) -> float:
+        """Distance between the innermost held base pairs."""
+        height = self.motion["height"].values
+        first, last = self.span
+        return float(height[last] - height[first])
+
+    def inertia_Da_A2(self, direction: str) -> float:
+        """Mean moment of inertia of a base pair about a direction through the helix axis."""
+        axis = self.motion["direction"].sel(axis=direction).values
+        own = np.einsum("x,pxy,y->p", axis, self.motion["inertia"].values, axis)
+        arm = self.motion["centre"].values - self.motion["pivot"].values
+        arm = arm - np.outer(arm @ axis, axis)
+        return float(np.mean(own + self.motion["mass"].values * np.sum(arm**2, axis=1)))
+
+    def paper_velocity(self, wave: str) -> Array:
+        """Velocity field (time, pair) that the paper's rod shows after the same kick.
+
+        On the lattice with this duplex's spacing, ends and recorded times.
+        """
+        return _kicked_rod(self, wave)
+
+    @cached_property
+    def paper_speeds_A_per_ps(self) -> dict[str, float]:
+        """The paper's four speeds."""
+        return short_wave_speeds_A_per_ps(Rod.paper())
+
+
+def paper_rod(spacing_nm: float) -> Rod:
+    """Return the paper's rod with the duplex's own distance of base pairs."""
+    return replace(Rod.paper(), spacing_nm=spacing_nm)
+
+
+def _kicked_rod(record: Record, wave: str) -> Array:
+    times = record.times_ps
+    if wave in AXIAL_WAVES:
+        speed = record.paper_speeds_A_per_ps[wave]
+        chain = ScalarChain.from_speed(record.pairs, speed, record.spacing_nm, record.held)
+        return chain.kick_response(times, record.velocity(wave)[0] * chain.free)[1]
+    plane = PlaneChain(paper_rod(record.spacing_nm), record.pairs, record.held)
+    source = np.stack([record.velocity("shear")[0] / A_PER_NM, record.velocity("bend")[0]], axis=1)
+    linear, angular = np.moveaxis(plane.kick_response(times, source * plane.free)[1], -1, 0)
+    return linear * A_PER_NM if wave == "shear" else angular

@@ -1,0 +1,69 @@
+"""The step that analyses a scene, from files to files."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from dnawaves.files import read_netcdf, write_netcdf
+from dnawaves.motion.fields import WAVE_COMPONENTS
+from dnawaves.scene.load import read_scene
+from dnawaves.scene.models import Kick, Nothing, Periodic, StandingWave, Static
+from dnawaves.waves.analyse import analyse, mode_projection, standing_projection
+from dnawaves.waves.record import Record
+from dnawaves.waves.spectrum import frequency_wavenumber
+from dnawaves.waves.table import write_table
+
+
+def analyse_step(scene_json: Path, motions: Sequence[Path], output: Path, waves: Path) -> None:
+    """Analyse a scene: write its table of speeds and the data of its figures.
+
+    `motions` are the members' records in the scene's order.
+    """
+    scene = read_scene(scene_json)
+    records = [
+        Record(scene, member, read_netcdf(motion))
+        for member, motion in zip(scene.members, motions, strict=True)
+    ]
+    write_netcdf(waves, figure_data(records))
+    write_table(output, [replace(row, system=scene.system.name) for row in analyse(records)])
+
+
+def figure_data(records: Sequence[Record]) -> xr.Dataset:
+    """Return what a scene's figures show: fields, maps, projections of its first member."""
+    first = records[0]
+    excitation = first.scene.excitation
+    dataset = first.fields.copy()
+    dataset.attrs = {
+        "scene": first.scene.model_dump_json(),
+        "usable_frames": first.usable,
+        "length_A": first.length_A,
+    }
+    if isinstance(excitation, Static):
+        return dataset
+    for wave in WAVE_COMPONENTS:
+        if np.any(first.velocity(wave)) and first.usable > 1:
+            power = frequency_wavenumber(
+                first.times_ps, first.velocity(wave), first.spacing_nm, first.held
+            )
+            dataset[f"{wave}_power"] = power
+            dataset.attrs["resolution_GHz"] = power.attrs["resolution_GHz"]
+    if isinstance(excitation, Kick | StandingWave):
+        dataset[f"{excitation.wave}_paper"] = (
+            ("time", "pair"),
+            first.paper_velocity(excitation.wave),
+        )
+    if isinstance(excitation, StandingWave):
+        dataset["projection"] = ("time", standing_projection(first, excitation.wave))
+    if isinstance(excitation, Periodic):
+        drives = [float(record.motion.attrs["frequency_GHz"]) for record in records]
+        peaks = [np.abs(mode_projection(record, excitation.wave)).max() for record in records]
+        dataset["response"] = ("drive", peaks)
+        dataset = dataset.assign_coords(drive=("drive", drives, {"units": "GHz"}))
+    if isinstance(excitation, Nothing):
+        dataset.attrs["usable_frames"] = 0
+    return dataset

@@ -1,0 +1,78 @@
+"""The table of estimates: one row per scene, wave and estimator."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+
+import pandas as pd
+
+from dnawaves.files import whole_file
+
+MODEL_SPREAD = "model spread"
+CSV_FORMAT = "%.6g"
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One estimate of a wave's speed, beside the paper's value for the same thing.
+
+    `low` and `high` enclose the estimate over everything that was varied; `interval` says what
+    kind of interval that is. A blank speed comes with a reason.
+    """
+
+    scene: str
+    wave: str
+    estimator: str
+    speed_A_per_ps: float | None = None
+    low_A_per_ps: float | None = None
+    high_A_per_ps: float | None = None
+    interval: str = ""
+    variations: int = 0
+    paper_A_per_ps: float | None = None
+    ratio_to_paper: float | None = None
+    misfit: float | None = None
+    friction_per_ps: float | None = None
+    frequency_GHz: float | None = None
+    paper_frequency_GHz: float | None = None
+    wavenumber_rad_per_A: float | None = None
+    window_ps: float | None = None
+    record_ps: float | None = None
+    half_kick_change: float | None = None
+    reason: str = ""
+    system: str = ""
+
+
+COLUMNS = tuple(field.name for field in fields(Estimate))
+
+
+def spread(estimate: Estimate, speeds_A_per_ps: Sequence[float], paper_A_per_ps: float) -> Estimate:
+    """Return the estimate with its first speed, the range of all of them, and the ratio."""
+    return Estimate(
+        **{
+            **asdict(estimate),
+            "speed_A_per_ps": speeds_A_per_ps[0],
+            "low_A_per_ps": min(speeds_A_per_ps),
+            "high_A_per_ps": max(speeds_A_per_ps),
+            "interval": MODEL_SPREAD,
+            "variations": len(speeds_A_per_ps),
+            "paper_A_per_ps": paper_A_per_ps,
+            "ratio_to_paper": speeds_A_per_ps[0] / paper_A_per_ps,
+        }
+    )
+
+
+def write_table(path: Path, estimates: Iterable[Estimate]) -> None:
+    """Write estimates as CSV, whole or not at all."""
+    frame = pd.DataFrame([asdict(estimate) for estimate in estimates], columns=list(COLUMNS))
+    with whole_file(path) as temporary:
+        frame.to_csv(temporary, index=False, float_format=CSV_FORMAT)
+
+
+def read_table(path: Path) -> pd.DataFrame:
+    """Read a table of estimates; text columns are empty strings where nothing was written."""
+    frame = pd.read_csv(path)
+    text = ["scene", "wave", "estimator", "interval", "reason", "system"]
+    frame[text] = frame[text].astype(object).fillna("").astype(str)
+    return frame
