@@ -1,0 +1,96 @@
+# From a sequence to the relaxed duplex that every scene of a system starts from.
+
+
+rule freeze_system:
+    output:
+        "results/systems/{system}/system.json",
+    log:
+        "results/logs/freeze_system/{system}.log",
+    benchmark:
+        "results/benchmarks/freeze_system/{system}.tsv"
+    conda:
+        "../envs/dnawaves.yaml"
+    resources:
+        mem_mb=500,
+        runtime=5,
+    params:
+        # What the system is decides whether anything runs again, not the file that declares it:
+        # Snakemake compares the text, but not a Path.
+        spec=lambda wildcards: SYSTEMS[wildcards.system].model_dump_json(),
+        config=CONFIG,
+    message:
+        "Freezing the system {wildcards.system}"
+    shell:
+        "dnawaves freeze {params.config:q} --system {wildcards.system}"
+        " --output {output} > {log} 2>&1"
+
+
+rule build:
+    input:
+        "results/systems/{system}/system.json",
+    output:
+        "results/systems/{system}/built.pdb",
+    log:
+        "results/logs/build/{system}.log",
+    benchmark:
+        "results/benchmarks/build/{system}.tsv"
+    conda:
+        "../envs/dnawaves.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=10,
+    message:
+        "Building the duplex of {wildcards.system}"
+    shell:
+        "dnawaves build {input} --output {output} > {log} 2>&1"
+
+
+rule relax:
+    input:
+        spec="results/systems/{system}/system.json",
+        built="results/systems/{system}/built.pdb",
+    output:
+        relaxed="results/systems/{system}/relaxed.nc",
+        hessian="results/systems/{system}/hessian.npz",
+    log:
+        "results/logs/relax/{system}.log",
+    benchmark:
+        "results/benchmarks/relax/{system}.tsv"
+    conda:
+        "../envs/dnawaves.yaml"
+    threads: 2
+    resources:
+        mem_mb=6000,
+        runtime=120,
+    message:
+        "Relaxing {wildcards.system}"
+    shell:
+        "dnawaves relax {input.spec} {input.built} --output {output.relaxed}"
+        " --hessian {output.hessian} --threads {threads} > {log} 2>&1"
+
+
+rule inspect:
+    input:
+        spec="results/systems/{system}/system.json",
+        built="results/systems/{system}/built.pdb",
+        relaxed="results/systems/{system}/relaxed.nc",
+    output:
+        structure="results/systems/{system}/structure.nc",
+        base_atoms="results/systems/{system}/base_atoms.pdb",
+        relaxed="results/systems/{system}/relaxed.pdb",
+    log:
+        "results/logs/inspect/{system}.log",
+    benchmark:
+        "results/benchmarks/inspect/{system}.tsv"
+    conda:
+        "../envs/dnawaves.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=10,
+    message:
+        "Checking that {wildcards.system} is B-DNA"
+    shell:
+        "dnawaves inspect {input.spec} {input.built} {input.relaxed} --output {output.structure}"
+        " --base-atoms {output.base_atoms} --structure {output.relaxed} > {log} 2>&1"
