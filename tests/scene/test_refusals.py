@@ -43,7 +43,7 @@ def test_the_configuration_that_the_tests_spoil_is_valid(write_configuration: An
         ("standing.excitation.mode", 11, "11", "1 to 10, the number of free base pairs"),
         ("swept.excitation.sweep.scene", "quiet", "'quiet'", "kicked"),
         ("swept.excitation.sweep.points", 1, "1", "greater than or equal to 2"),
-        ("kicked.observation.timestep_fs", 5, "5", "less than or equal to 3"),
+        ("kicked.observation.timestep_fs", 5, "5", "less than or equal to 2.5"),
         ("kicked.observation.duration_ps", 0, "0", "greater than 0"),
         ("loaded.observation.helical", True, "true", "false"),
         # 50 and 100 GHz are driven; frames 5 ps apart resolve frequencies below 100 GHz.

@@ -130,3 +130,9 @@ def test_projection_on_start_is_the_mode_that_was_kicked() -> None:
     omega = float(lattice_frequency(wavenumber, speed, SPACING_NM))
     # A mode of the chain stays one: its projection is a pure cosine, to round-off.
     np.testing.assert_allclose(project_on_start((1.0, velocity)), np.cos(omega * times), atol=1e-10)
+
+
+def test_arrival_needs_a_pair_that_was_at_rest() -> None:
+    times = np.linspace(0, 2, 60)
+    # Rises from 0.7 of its peak: the pick at 66.3 % has passed before the record begins.
+    assert arrival(times, 1 - 0.3 * (times - 1) ** 2) is None

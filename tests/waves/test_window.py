@@ -19,7 +19,7 @@ def test_a_stable_record_is_usable_to_its_end() -> None:
 
 def test_a_growing_difference_ends_the_record_where_it_passes_what_was_put_in() -> None:
     kinetic = 0.2 * np.exp(np.linspace(0, 3, 61))
-    # 0.2 e^x passes 1.001 at x = 1.61, between frames 32 and 33 of steps of 0.05.
+    # 0.2 e^x passes 1.002 at x = 1.61, between frames 32 and 33 of steps of 0.05.
     assert usable_frames(fields(kinetic, np.ones(61))) == 33
 
 

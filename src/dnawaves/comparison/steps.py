@@ -40,7 +40,7 @@ def compare(tables: Sequence[pd.DataFrame], b_form: Mapping[str, str]) -> pd.Dat
 
 def _verdict(row: pd.Series) -> str:
     if pd.isna(row["speed_A_per_ps"]):
-        return "no wave" if row["estimator"] == "none" else "no speed"
+        return "no wave" if row["reason"].startswith("no wave") else "no speed"
     ratio = f"{row['ratio_to_paper']:.2f} times the paper's"
     if row["structure"] != "B-DNA":
         return f"{ratio}; structure is {row['structure']}"

@@ -42,6 +42,7 @@ from dnawaves.waves.window import FEWEST_FRAMES, windows
 Array = NDArray[np.float64]
 GHZ_PER_RAD_PER_PS = 1e3 / (2 * np.pi)
 ARRIVAL_PAIRS = 3
+PAPER_RECORDS = 6
 # Root of the residual's share: above it, a quarter of the motion's sum of squares is left over.
 POOR_MISFIT = 0.5
 
@@ -63,11 +64,11 @@ def analyse(records: Sequence[Record]) -> list[Estimate]:
 
 
 def _local(records: Sequence[Record], excitation: Kick | Pulse) -> list[Estimate]:
-    estimates = []
-    if isinstance(excitation, Kick) and excitation.wave in AXIAL_WAVES:
-        estimates.append(_waveform(records, excitation.wave))
-    if isinstance(excitation, Kick):
-        estimates.append(_arrival(records, excitation))
+    if isinstance(excitation, Pulse):
+        return [replace(_blank(records[0], excitation.wave), reason="no estimator for a pulse yet")]
+    estimates = [_arrival(records, excitation)]
+    if excitation.wave in AXIAL_WAVES:
+        estimates.insert(0, _waveform(records, excitation.wave))
     return estimates
 
 
@@ -90,35 +91,39 @@ def _waveform(records: Sequence[Record], wave: str) -> Estimate:
 
 
 def _arrival(records: Sequence[Record], excitation: Kick) -> Estimate:
-    wave = excitation.wave
+    wave, first = excitation.wave, records[0]
     speeds = [
         speed
         for record in records
-        for speed in _arrival_speeds(record, excitation, record.velocity(wave))
+        for speed in _arrival_speeds(
+            record,
+            excitation,
+            record.times_ps[: record.usable],
+            record.velocity(wave)[: record.usable],
+        )
     ]
-    paper = _arrival_speeds(records[0], excitation, records[0].paper_velocity(wave))
-    blank = Estimate(
-        records[0].scene.name,
-        wave,
-        "arrival",
-        record_ps=float(records[0].times_ps[-1]),
-        paper_A_per_ps=records[0].paper_speeds_A_per_ps[wave],
-    )
+    estimate = _blank(first, wave, "arrival")
     if not speeds:
-        return replace(blank, reason="no front has passed the observed base pairs in this record")
-    if wave in AXIAL_WAVES or not paper:
-        return spread(blank, speeds, records[0].paper_speeds_A_per_ps[wave])
-    # A bend or shear front has no single speed: the paper's rod is asked the same question.
-    return spread(blank, speeds, paper[0])
+        return replace(estimate, reason="no front has passed the observed pairs in this record")
+    if wave in AXIAL_WAVES:
+        return spread(estimate, speeds, first.paper_speeds_A_per_ps[wave])
+    # A bend or shear front has no single speed: the paper's rod is asked the same question, with
+    # time enough for its slower front.
+    times = np.arange(PAPER_RECORDS * len(first.times_ps)) * first.times_ps[1]
+    paper = _arrival_speeds(first, excitation, times, first.paper_velocity(wave, times))
+    return spread(estimate, speeds, paper[0])
 
 
-def _arrival_speeds(record: Record, excitation: Kick, velocity: Array) -> list[float]:
+def _arrival_speeds(
+    record: Record, excitation: Kick, times_ps: Array, velocity: Array
+) -> list[float]:
     height = record.motion["height"].values
-    source = height[excited_pairs(excitation, record.scene.ends)].mean()
-    free = [pair for pair in range(record.pairs) if pair not in record.held]
+    excited = excited_pairs(excitation, record.scene.ends)
+    source = height[excited].mean()
+    free = [pair for pair in range(excited[-1] + 1, record.pairs) if pair not in record.held]
     speeds = []
     for pair in reversed(free[-ARRIVAL_PAIRS:]):
-        found = arrival(record.times_ps[: record.usable], velocity[: record.usable, pair])
+        found = arrival(times_ps, velocity[:, pair])
         if found is not None and found.time_ps > 0:
             speeds.append(float(height[pair] - source) / found.time_ps)
     return speeds
@@ -265,32 +270,28 @@ def _static_speed(record: Record, load: float, displacement: object) -> float:
 def _no_wave(record: Record, wave: str) -> Estimate:
     largest = float(np.abs(record.velocity(wave)).max())
     unit = "Å/ps" if wave == "extension" else "rad/ps"
-    blank = Estimate(
-        record.scene.name,
-        wave,
-        "none",
-        record_ps=float(record.times_ps[-1]),
-        paper_A_per_ps=record.paper_speeds_A_per_ps[wave],
-    )
     return replace(
-        blank,
+        _blank(record, wave),
         reason=f"no wave: nothing was put in; the residual motion is at most {largest:.2g} {unit}",
     )
 
 
 def _too_short(record: Record, wave: str) -> Estimate:
-    blank = Estimate(
-        record.scene.name,
-        wave,
-        "none",
-        window_ps=float(record.times_ps[max(record.usable - 1, 0)]),
-        record_ps=float(record.times_ps[-1]),
-        paper_A_per_ps=record.paper_speeds_A_per_ps[wave],
-    )
     return replace(
-        blank,
+        _blank(record, wave),
+        window_ps=float(record.times_ps[max(record.usable - 1, 0)]),
         reason=f"only {record.usable} frames before the difference of the two signs holds more "
         f"energy than was put in; at least {FEWEST_FRAMES} are needed",
+    )
+
+
+def _blank(record: Record, wave: str, estimator: str = "none") -> Estimate:
+    return Estimate(
+        record.scene.name,
+        wave,
+        estimator,
+        record_ps=float(record.times_ps[-1]),
+        paper_A_per_ps=record.paper_speeds_A_per_ps[wave],
     )
 
 

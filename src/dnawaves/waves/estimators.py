@@ -87,7 +87,8 @@ def arrival(times_ps: Array, velocity: Array) -> Arrival | None:
     """Return when a front arrives, from the velocity (time,) of one base pair.
 
     The first peak is the first local maximum, in the sign of the largest motion, that is at least
-    half as large; the pick interpolates between frames. None where nothing has peaked yet.
+    half as large; the pick interpolates between frames. None where nothing has peaked yet, or where
+    the base pair was already moving.
     """
     signal = velocity * np.sign(velocity[np.argmax(np.abs(velocity))])
     inner = (signal[1:-1] >= signal[:-2]) & (signal[1:-1] > signal[2:])
@@ -96,7 +97,10 @@ def arrival(times_ps: Array, velocity: Array) -> Arrival | None:
         return None
     peak = int(peaks[0])
     threshold = ARRIVAL_FRACTION * signal[peak]
-    before = int(np.flatnonzero(signal[:peak] < threshold)[-1])
+    below = np.flatnonzero(signal[:peak] < threshold)
+    if len(below) == 0:
+        return None
+    before = int(below[-1])
     rise = (threshold - signal[before]) / (signal[before + 1] - signal[before])
     step = times_ps[before + 1] - times_ps[before]
     return Arrival(float(times_ps[before] + rise * step), float(times_ps[peak]))

@@ -92,12 +92,12 @@ class Record:
         arm = arm - np.outer(arm @ axis, axis)
         return float(np.mean(own + self.motion["mass"].values * np.sum(arm**2, axis=1)))
 
-    def paper_velocity(self, wave: str) -> Array:
+    def paper_velocity(self, wave: str, times_ps: Array) -> Array:
         """Velocity field (time, pair) that the paper's rod shows after the same kick.
 
-        On the lattice with this duplex's spacing, ends and recorded times.
+        On the lattice with this duplex's spacing and ends.
         """
-        return _kicked_rod(self, wave)
+        return _kicked_rod(self, wave, times_ps)
 
     @cached_property
     def paper_speeds_A_per_ps(self) -> dict[str, float]:
@@ -110,8 +110,7 @@ def paper_rod(spacing_nm: float) -> Rod:
     return replace(Rod.paper(), spacing_nm=spacing_nm)
 
 
-def _kicked_rod(record: Record, wave: str) -> Array:
-    times = record.times_ps
+def _kicked_rod(record: Record, wave: str, times: Array) -> Array:
     if wave in AXIAL_WAVES:
         speed = record.paper_speeds_A_per_ps[wave]
         chain = ScalarChain.from_speed(record.pairs, speed, record.spacing_nm, record.held)

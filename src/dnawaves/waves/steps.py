@@ -55,7 +55,7 @@ def figure_data(records: Sequence[Record]) -> xr.Dataset:
     if isinstance(excitation, Kick | StandingWave):
         dataset[f"{excitation.wave}_paper"] = (
             ("time", "pair"),
-            first.paper_velocity(excitation.wave),
+            first.paper_velocity(excitation.wave, first.times_ps),
         )
     if isinstance(excitation, StandingWave):
         dataset["projection"] = ("time", standing_projection(first, excitation.wave))

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-# Room for round-off and for the work of a drive being known to second order in the timestep.
+# Room for round-off and for the work of a drive being known to second order in the timestep, as a
+# part of the energy put in so far and of all that was put in.
 ENERGY_ROOM = 1e-3
 FEWEST_FRAMES = 12
 
@@ -17,9 +18,10 @@ def usable_frames(fields: xr.Dataset) -> int:
     another cause than the excitation. A null, into which nothing was put, has none.
     """
     put_in = fields["energy_put_in"].values
-    excess = fields["kinetic_energy"].values > put_in * (1 + ENERGY_ROOM)
     if not put_in.any():
         return 0
+    allowed = put_in + ENERGY_ROOM * (put_in + put_in.max())
+    excess = fields["kinetic_energy"].values > allowed
     return int(np.argmax(excess)) if excess.any() else len(excess)
 
 
