@@ -19,7 +19,7 @@ from dnawaves.trajectory.run import run_member
 from dnawaves.waves.analyse import analyse
 from dnawaves.waves.record import Record
 
-TIMESTEPS_FS = (0.5, 1.0, 2.0, 3.0)
+TIMESTEPS_FS = (0.5, 1.0, 2.0, 2.5)
 
 
 def main(results: Path, name: str) -> None:

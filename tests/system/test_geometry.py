@@ -13,12 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from dnawaves.duplex.fibre import RISE_A, fibre_duplex
 from dnawaves.system.duplex import SimulatedDuplex
-from dnawaves.system.geometry import (
-    helix_frame,
-    pair_centres_nm,
-    pair_masses_Da,
-    sugar_anchors,
-)
+from dnawaves.system.geometry import helix_frame, sugar_anchors
 
 Array = NDArray[np.float64]
 SEQUENCE = "ACGTTA"
@@ -116,18 +111,18 @@ def test_heights_and_spacing_of_the_fibre_model(duplex: SimulatedDuplex) -> None
 
 
 def test_masses_and_centres(duplex: SimulatedDuplex) -> None:
-    masses = pair_masses_Da(duplex.masses_Da, duplex.pairs)
+    masses = duplex.bodies.masses_Da
     # Nucleotides within a chain, formula weights: dA C10H11N5O5P 312.20, dT C10H12N2O7P 303.19,
     # dC C9H11N3O6P 288.18, dG C10H11N5O6P 328.20. Each duplex end lacks one PO2 and has two H more.
     at, cg, end = 312.20 + 303.19, 288.18 + 328.20, 30.97 + 2 * 16.00 - 2 * 1.01
     # Force fields round atomic masses to 0.01 Da or better; 64 atoms, mostly to 0.001.
     np.testing.assert_allclose(masses, [at - end, cg, cg, at, at, at - end], atol=0.05)
     assert masses.sum() == pytest.approx(duplex.masses_Da.sum(), rel=1e-14)
-    np.testing.assert_allclose(masses, duplex.bodies.masses_Da, rtol=1e-14)
-    centres = pair_centres_nm(duplex.positions_nm, duplex.masses_Da, duplex.pairs)
-    np.testing.assert_allclose(centres, duplex.bodies.centres_nm, atol=1e-14)
     np.testing.assert_allclose(
-        masses @ centres, duplex.masses_Da @ duplex.positions_nm, rtol=1e-12, atol=1e-9
+        masses @ duplex.bodies.centres_nm,
+        duplex.masses_Da @ duplex.positions_nm,
+        rtol=1e-12,
+        atol=1e-9,
     )
 
 

@@ -101,7 +101,7 @@ def test_falling_out_of_the_basin_is_noticed() -> None:
     def evaluate(x: Array) -> tuple[float, Array]:
         return -float(np.cos(x[0])) - 3 * float(x[0]), np.array([-np.sin(x[0]) + 3.0])
 
-    with pytest.raises(BasinLeftError, match="below the -5.000 kJ/mol"):
+    with pytest.raises(BasinLeftError, match=r"below the -5\.000 kJ/mol"):
         minimise(
             evaluate,
             lambda x: np.array([[np.cos(x[0])]]),
@@ -127,5 +127,5 @@ def test_shift_makes_an_indefinite_matrix_positive(lowest: float) -> None:
 
 
 def test_a_matrix_that_is_no_hessian_of_a_molecule_is_refused() -> None:
-    with pytest.raises(SimulationError, match="eigenvalue below -1e\\+06"):
+    with pytest.raises(SimulationError, match=r"eigenvalue below -1e\+06"):
         shifted_factor(np.diag([1.0, -1e7]))

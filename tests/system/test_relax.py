@@ -11,9 +11,9 @@ import pytest
 from dnawaves.duplex.build import watson_crick_bonds
 from dnawaves.scene.models import Relaxation
 from dnawaves.system.duplex import SimulatedDuplex
+from dnawaves.system.guided import GuidedEnd, line_density
 from dnawaves.system.hessian import ReferenceForces
 from dnawaves.system.relax import RIGID_MODES, anneal, lowest_modes
-from dnawaves.system.guided import first_estimates_A_per_ps
 
 
 def silent(line: str) -> None:
@@ -70,13 +70,21 @@ def test_lowest_modes_of_two_masses_on_a_spring() -> None:
     np.testing.assert_allclose(values, [0, 0, 0, 0, 0, 50 * (1 / 2 + 1 / 3)], atol=1e-12)
 
 
-def test_first_estimates_are_those_of_the_recorded_hessian(relaxed: Any) -> None:
-    speeds = first_estimates_A_per_ps(relaxed.duplex, relaxed.hessian)
-    for wave in ("extension", "twist"):
-        recorded = relaxed.record.attrs[f"first_estimate_{wave}_A_per_ps"]
-        assert speeds[wave] == pytest.approx(recorded, rel=1e-6)
-        # Between a third of the paper's slowest and three times the fastest seen in trials.
-        assert 2 < recorded < 60
+@pytest.mark.parametrize("wave", ["extension", "twist"])
+def test_first_estimate_is_the_rods_speed_with_everything_free_to_relax(
+    relaxed: Any, wave: str
+) -> None:
+    duplex = relaxed.duplex
+    reduced = GuidedEnd(duplex, wave, held=1).hessian(relaxed.hessian)
+    push = np.zeros(len(reduced))
+    push[-1] = 1.0
+    modulus = np.ptp(duplex.heights_nm) / np.linalg.solve(reduced, push)[-1]
+    density = line_density(duplex, wave)
+    recorded = relaxed.record.attrs[f"first_estimate_{wave}_A_per_ps"]
+    # What lets the Hessian be factored, 1e-3 kJ/mol/nm², stiffens it by less than 1e-4.
+    assert recorded == pytest.approx(10 * np.sqrt(modulus / density), rel=1e-4)
+    # Between a third of the paper's slowest and three times the fastest seen in trials.
+    assert 2 < recorded < 60
 
 
 def test_saved_hessian_is_symmetric_and_complete(relaxed: Any) -> None:

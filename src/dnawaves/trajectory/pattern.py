@@ -16,6 +16,9 @@ from dnawaves.units import A_PER_NM, PN_PER_KJ_PER_MOL_NM
 
 Array = NDArray[np.float64]
 
+# Distance of a base pair's outermost atoms from the helix axis.
+RIM_NM = 1.0
+
 
 @dataclass(frozen=True)
 class Pattern:
@@ -108,7 +111,10 @@ def _standing_pattern(excitation: StandingWave, ends: Ends, pairs: int) -> Patte
     if excitation.wave == "bend":
         scale = excitation.amplitude / np.abs(plane.rotation_rad_per_nm).max()
     else:
-        scale = excitation.amplitude / A_PER_NM / np.abs(plane.displacement).max()
+        # In these shapes the base pairs turn more than they shift: what is scaled is the fastest
+        # of the base pair itself and of atoms at its rim.
+        rim = RIM_NM * np.abs(plane.rotation_rad_per_nm).max()
+        scale = excitation.amplitude / A_PER_NM / max(np.abs(plane.displacement).max(), rim)
     linear[inside] = plane.displacement * scale
     angular[inside] = plane.rotation_rad_per_nm * scale
     return Pattern(excitation.wave, linear, angular)

@@ -17,6 +17,8 @@ SAMPLES_PER_PERIOD = 10
 # error = a² / (16 σ² V²).
 PULSE_STEPS = 2.5
 SWEEP_MARGIN = 1.3
+# A pulse is centred this many widths after the start, where it has come up from zero.
+PULSE_DELAY_WIDTHS = 5
 
 
 @dataclass(frozen=True)
@@ -86,14 +88,16 @@ def make_plan(
                 f"{observation.interval_fs:g}; allowed: below {5e5 / frequency_GHz:g}, the "
                 f"Nyquist limit of the drive at {frequency_GHz:g} GHz"
             )
-    timestep_ps = observation.timestep_fs / 1e3
-    steps_per_frame = max(1, int(interval_ps / timestep_ps + 1e-9))
-    frames = int(np.ceil(duration_ps / (steps_per_frame * timestep_ps))) + 1
     pulse_width_ps = None
     if isinstance(excitation, Pulse):
         pulse_width_ps = (
             excitation.width_fs / 1e3 if excitation.width_fs else PULSE_STEPS * spacing_A / speed
         )
+        if observation.duration_ps is None:
+            duration_ps += 2 * PULSE_DELAY_WIDTHS * pulse_width_ps
+    timestep_ps = observation.timestep_fs / 1e3
+    steps_per_frame = max(1, int(interval_ps / timestep_ps + 1e-9))
+    frames = int(np.ceil(duration_ps / (steps_per_frame * timestep_ps) - 1e-9)) + 1
     return Plan(timestep_ps, steps_per_frame, frames, frequency_GHz, pulse_width_ps)
 
 

@@ -8,13 +8,14 @@ from pathlib import Path
 import numpy as np
 import openmm
 from numpy.typing import NDArray
+from openmm import unit
 
 from dnawaves.errors import SimulationError
 from dnawaves.scene.models import Kick, Periodic, Pulse, SceneSpec, StandingWave
 from dnawaves.scene.pairs import held_pairs
 from dnawaves.system.duplex import SimulatedDuplex
 from dnawaves.trajectory.pattern import force_pattern, kick_pattern
-from dnawaves.trajectory.plan import Plan
+from dnawaves.trajectory.plan import PULSE_DELAY_WIDTHS, Plan
 from dnawaves.trajectory.progress import progress
 from dnawaves.trajectory.record import SIGNS, Recorder
 from dnawaves.trajectory.verlet import (
@@ -67,6 +68,16 @@ class Copy:
             energy._value,
         )
 
+    def velocities(self) -> Array:
+        """Return the velocities (atoms, 3) in nm/ps; needs no force, unlike `state`."""
+        state = self._context.getState(getVelocities=True)
+        return np.array(state.getVelocities(asNumpy=True)._value)
+
+    @property
+    def time_ps(self) -> float:
+        """Simulated time."""
+        return self._context.getTime().value_in_unit(unit.picosecond)
+
     @property
     def work_kJ_per_mol(self) -> float:
         """Work that the drive has done."""
@@ -100,7 +111,12 @@ def run_member(
         for frame in range(plan.frames):
             if frame:
                 for one in copies:
-                    one.step(plan.steps_per_frame)
+                    try:
+                        one.step(plan.steps_per_frame)
+                    except openmm.OpenMMException:
+                        # OpenMM stops at a NaN and names neither the time nor the atom.
+                        _check(duplex, one.velocities(), one.time_ps, title)
+                        raise
                 advance(frame * plan.interval_ps * len(copies))
             states = [one.state() for one in copies]
             for _, velocities, _ in states:
@@ -128,16 +144,16 @@ def _integrator(
         course = sine_course(plan.frequency_GHz)
     else:
         assert plan.pulse_width_ps is not None
-        course = gaussian_course(plan.pulse_width_ps)
+        course = gaussian_course(PULSE_DELAY_WIDTHS * plan.pulse_width_ps, plan.pulse_width_ps)
     _, forces = force_pattern(excitation, scene.ends, duplex)
     return driven_velocity_verlet(plan.timestep_ps, course), forces
 
 
 def _check(duplex: SimulatedDuplex, velocities: Array, time_ps: float, title: str) -> None:
     speeds = np.linalg.norm(velocities, axis=1)
-    bad = ~(speeds < LARGEST_VELOCITY_NM_PER_PS)
-    if bad.any():
-        worst = int(np.argmax(bad))
+    # The fastest atom, or the first whose velocity is not a number.
+    worst = int(np.argmax(speeds))
+    if not speeds[worst] < LARGEST_VELOCITY_NM_PER_PS:
         atom = list(duplex.topology.atoms())[worst]
         raise SimulationError(
             f"{title}: at {time_ps:.3f} ps atom {worst} ({atom.residue.chain.id}:"

@@ -50,6 +50,6 @@ def sine_course(frequency_GHz: float) -> str:
     return f"sin({2e-3 * np.pi * frequency_GHz!r}*t)"
 
 
-def gaussian_course(width_ps: float) -> str:
-    """Return a Gaussian of unit height centred at five widths, where it has come up from zero."""
-    return f"exp(-0.5*((t - {5 * width_ps!r})/{width_ps!r})^2)"
+def gaussian_course(centre_ps: float, width_ps: float) -> str:
+    """Return a Gaussian of unit height."""
+    return f"exp(-0.5*((t - {centre_ps!r})/{width_ps!r})^2)"

@@ -1,0 +1,22 @@
+"""A long run tells a log how far it is, in plain lines."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from dnawaves.trajectory.progress import progress
+
+
+def test_a_log_gets_ten_plain_lines(capsys: pytest.CaptureFixture[str]) -> None:
+    with progress("scene x1", 20.0) as advance:
+        for frame in range(1, 201):
+            advance(0.1 * frame)
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 10
+    pattern = re.compile(r"scene x1: \d+\.\d of 20\.0 ps, \d+\.\d ns/day, \d+ s left")
+    for line in lines:
+        assert pattern.fullmatch(line)
+    assert lines[-1].startswith("scene x1: 20.0 of 20.0 ps")
+    assert lines[-1].endswith(" 0 s left")

@@ -1,0 +1,123 @@
+"""The step from files to files: whole outputs or none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from dnawaves.errors import SimulationError
+from dnawaves.files import read_netcdf, write_json
+from dnawaves.scene.models import SceneSpec
+from dnawaves.trajectory.steps import simulate_step
+
+HELD = {"first": "held", "last": "held"}
+Simulate = Callable[..., Path]
+
+
+@pytest.fixture
+def simulate(relaxed: Any, make_scene: Callable[..., SceneSpec], tmp_path: Path) -> Simulate:
+    """Return a function that simulates a member and returns the output's path."""
+
+    def run(
+        excitation: dict[str, Any],
+        ends: dict[str, Any],
+        member: str,
+        trajectory: Path | None = None,
+        fitted: Path | None = None,
+        **observation: Any,
+    ) -> Path:
+        scene = make_scene(relaxed.duplex, excitation, ends, **observation)
+        write_json(tmp_path / "scene.json", scene.model_dump(mode="json"))
+        simulate_step(
+            tmp_path / "scene.json",
+            relaxed.built_file,
+            relaxed.relaxed_file,
+            relaxed.hessian_file,
+            member,
+            tmp_path / "out" / "motion.nc",
+            trajectory,
+            fitted,
+            threads=1,
+        )
+        return tmp_path / "out" / "motion.nc"
+
+    return run
+
+
+def test_a_kick_is_simulated_from_files(simulate: Simulate, tmp_path: Path) -> None:
+    excitation = {"kind": "kick", "wave": "extension", "velocity_A_per_ps": 0.2, "pairs": 2}
+    trajectory = tmp_path / "trajectory"
+    for _ in range(2):  # the second time over the first's files
+        output = simulate(excitation, HELD, "x1", trajectory, duration_ps=0.1, interval_fs=20)
+    motion = read_netcdf(output)
+    assert motion.sizes == {"sign": 2, "time": 6, "pair": 6, "xyz": 3, "abc": 3, "axis": 3}
+    axis = motion["direction"].sel(axis="helix").values
+    np.testing.assert_allclose(
+        motion["velocity"].values[0, 0] @ axis, [0, 0.2, 0.2, 0, 0, 0], atol=1e-12
+    )
+    assert sorted(path.name for path in trajectory.iterdir()) == ["minus.dcd", "plus.dcd"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["out", "scene.json", "trajectory"]
+    assert [path.name for path in output.parent.iterdir()] == ["motion.nc"]
+
+
+def test_length_and_interval_come_from_the_first_estimate(relaxed: Any, simulate: Simulate) -> None:
+    excitation = {"kind": "kick", "wave": "extension", "velocity_A_per_ps": 0.2, "pairs": 2}
+    motion = read_netcdf(simulate(excitation, HELD, "x1", crossings=0.5))
+    speed = relaxed.record.attrs["first_estimate_extension_A_per_ps"]
+    length_A = float(motion["height"][-1] - motion["height"][0])
+    interval_ps = float(motion["time"][1])
+    # To one interval.
+    assert float(motion["time"][-1]) == pytest.approx(
+        0.5 * length_A / speed + interval_ps / 2, abs=interval_ps / 2 + 1e-9
+    )
+
+
+def test_a_run_that_explodes_leaves_no_output(simulate: Simulate, tmp_path: Path) -> None:
+    excitation = {"kind": "kick", "wave": "extension", "velocity_A_per_ps": 20, "pairs": 2}
+    excitation["scales"] = [1000]
+    trajectory = tmp_path / "trajectory"
+    with pytest.raises(SimulationError):
+        simulate(excitation, HELD, "x1000", trajectory, duration_ps=0.1)
+    assert not (tmp_path / "out" / "motion.nc").exists()
+    assert not trajectory.exists()
+
+
+def test_a_failed_run_leaves_an_earlier_one_as_it_was(simulate: Simulate) -> None:
+    excitation = {"kind": "kick", "wave": "extension", "velocity_A_per_ps": 0.2, "pairs": 2}
+    output = simulate(excitation, HELD, "x1", duration_ps=0.01, interval_fs=2)
+    before = output.read_bytes()
+    with pytest.raises(SimulationError):
+        simulate({**excitation, "scales": [9999]}, HELD, "x9999", duration_ps=0.1)
+    assert output.read_bytes() == before
+    assert [path.name for path in output.parent.iterdir()] == ["motion.nc"]
+
+
+def test_a_load_is_simulated_from_files(relaxed: Any, simulate: Simulate) -> None:
+    excitation = {"kind": "static", "wave": "extension", "force_pN": 5}
+    motion = read_netcdf(simulate(excitation, {"first": "held", "last": "guided"}, "x1"))
+    assert motion.sizes["time"] == 1
+    assert motion.attrs["left_basin"] == ""
+    slide_A = motion["displacement"].values[:, 0, -1] @ motion["direction"].values[2]
+    assert slide_A[0] > 0 > slide_A[1]
+
+
+def test_a_sweep_takes_its_frequencies_from_the_fitted_speed(
+    simulate: Simulate, tmp_path: Path
+) -> None:
+    table = tmp_path / "speeds.csv"
+    table.write_text("estimator,speed_A_per_ps\narrival,99\nwaveform,12.5\n")
+    excitation = {
+        "kind": "periodic",
+        "wave": "extension",
+        "force_pN": 20,
+        "pairs": 2,
+        "sweep": {"scene": "other", "points": 2},
+    }
+    motion = read_netcdf(simulate(excitation, HELD, "f2", None, table, duration_ps=0.02))
+    length_A = float(motion["height"][-1] - motion["height"][0])
+    # 1.3 times V/2L of the fitted rod, which is the faster one here.
+    assert motion.attrs["frequency_GHz"] == pytest.approx(1300 * 12.5 / (2 * length_A), rel=1e-9)
