@@ -10,6 +10,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dnawaves.errors import InputError
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -56,11 +58,24 @@ def write_netcdf(path: Path, dataset: xr.Dataset) -> None:
         dataset.to_netcdf(temporary, engine="netcdf4", encoding=encoding)
 
 
-def read_netcdf(path: Path) -> xr.Dataset:
-    """Read a NetCDF file into memory and close it."""
+def read_netcdf(path: Path, *needed: str) -> xr.Dataset:
+    """Read a NetCDF file into memory and close it.
+
+    Raises `InputError` where it is no NetCDF file or lacks a needed variable.
+    """
     import xarray as xr
 
-    return xr.load_dataset(path, engine="netcdf4")
+    try:
+        dataset = xr.load_dataset(path, engine="netcdf4")
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read as NetCDF: {error}") from None
+    missing = [name for name in needed if name not in dataset]
+    if missing:
+        raise InputError(
+            f"{path}: found {', '.join(map(str, dataset.data_vars))}; "
+            f"allowed: a file that holds {', '.join(missing)}"
+        )
+    return dataset
 
 
 def provenance(*packages: str) -> dict[str, str]:

@@ -11,6 +11,7 @@ import openmm
 from numpy.typing import NDArray
 from openmm import app, unit
 
+from dnawaves.errors import InputError
 from dnawaves.scene.models import SystemSpec
 from dnawaves.system.forces import build_system
 from dnawaves.system.geometry import (
@@ -97,8 +98,15 @@ class SimulatedDuplex:
 
 
 def read_built(spec: SystemSpec, structure: Path) -> SimulatedDuplex:
-    """Return the duplex of a structure file as `dnawaves build` wrote it."""
+    """Return the duplex of a structure file as `dnawaves build` wrote it.
+
+    Raises `InputError` where strand I is not the system's sequence.
+    """
     pdb = app.PDBFile(str(structure))
+    first = next(pdb.topology.chains())
+    found = "".join(residue.name[-1] for residue in first.residues())
+    if found != spec.duplex.sequence:
+        raise InputError(f"{structure}: found {found}; allowed: {spec.duplex.sequence}")
     return SimulatedDuplex(
         spec, pdb.topology, np.array(pdb.positions.value_in_unit(unit.nanometer))
     )

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from openmm import unit
 from scipy.linalg import eigh
 
-from dnawaves.errors import SimulationError
+from dnawaves.errors import InputError, SimulationError
 from dnawaves.files import provenance, read_netcdf
 from dnawaves.scene.models import Relaxation, SystemSpec
 from dnawaves.system.duplex import SimulatedDuplex, read_built
@@ -127,8 +127,17 @@ def lowest_modes(hessian: Array, masses_Da: Array, count: int) -> tuple[Array, A
 
 
 def read_relaxed(spec: SystemSpec, built: Path, relaxed: Path) -> SimulatedDuplex:
-    """Return the duplex at the minimum that `dnawaves relax` wrote."""
-    return read_built(spec, built).with_positions(read_netcdf(relaxed)["position_nm"].values)
+    """Return the duplex at the minimum that `dnawaves relax` wrote for the same system.
+
+    Raises `InputError` where the minimum belongs to another duplex or environment.
+    """
+    dataset = read_netcdf(relaxed, "position_nm")
+    if SystemSpec.model_validate_json(dataset.attrs["spec"]) != spec:
+        raise InputError(
+            f"{relaxed}: found the minimum of {dataset.attrs['spec']}; "
+            f"allowed: that of {spec.model_dump_json()}"
+        )
+    return read_built(spec, built).with_positions(dataset["position_nm"].values)
 
 
 def _dataset(

@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from dnawaves.errors import InputError
 from dnawaves.files import read_netcdf, write_netcdf
 from dnawaves.motion.fields import WAVE_COMPONENTS
 from dnawaves.scene.load import read_scene
-from dnawaves.scene.models import Kick, Nothing, Periodic, StandingWave, Static
+from dnawaves.scene.models import Kick, Nothing, Periodic, SceneSpec, StandingWave, Static
 from dnawaves.waves.analyse import analyse, mode_projection, standing_projection
 from dnawaves.waves.record import Record
 from dnawaves.waves.spectrum import frequency_wavenumber
@@ -25,12 +26,27 @@ def analyse_step(scene_json: Path, motions: Sequence[Path], output: Path, waves:
     `motions` are the members' records in the scene's order.
     """
     scene = read_scene(scene_json)
+    if len(motions) != len(scene.members):
+        raise InputError(
+            f"scene '{scene.name}': found {len(motions)} records; "
+            f"allowed: one for each of {', '.join(scene.members)}"
+        )
     records = [
-        Record(scene, member, read_netcdf(motion))
+        Record(scene, member, _read_motion(motion, scene))
         for member, motion in zip(scene.members, motions, strict=True)
     ]
     write_netcdf(waves, figure_data(records))
     write_table(output, [replace(row, system=scene.system.name) for row in analyse(records)])
+
+
+def _read_motion(path: Path, scene: SceneSpec) -> xr.Dataset:
+    motion = read_netcdf(path, "displacement", "rotation", "velocity", "angular_velocity")
+    if SceneSpec.model_validate_json(motion.attrs["scene"]) != scene:
+        raise InputError(
+            f"{path}: found a record of {motion.attrs['scene']}; "
+            f"allowed: one of {scene.model_dump_json()}"
+        )
+    return motion
 
 
 def figure_data(records: Sequence[Record]) -> xr.Dataset:
