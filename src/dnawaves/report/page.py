@@ -1,0 +1,170 @@
+"""The page: all parts of the report put together, with everything that it needs inside."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from importlib.metadata import version
+from itertools import count
+
+import jinja2
+import xarray as xr
+import yaml
+from plotly.offline import get_plotlyjs
+
+from dnawaves.report.costs import NOT_RECORDED, costs_figure, costs_table, jobs_table
+from dnawaves.report.dispersion import dispersion_figure, standing_points
+from dnawaves.report.errata import errata
+from dnawaves.report.gather import Results
+from dnawaves.report.legend import legend
+from dnawaves.report.numbers import BLANK, counted, digits
+from dnawaves.report.scene_section import scene_section
+from dnawaves.report.speeds import speeds_figure
+from dnawaves.report.structure import B_FORM, STEP_PARAMETERS, step_profile, structure_table
+from dnawaves.report.style import Illustration
+from dnawaves.report.tables import VERDICT_HEADER, verdicts
+from dnawaves.report.words import headlines
+
+TITLE = "Does DNA carry waves as the elastic rod says?"
+
+
+def render(results: Results) -> str:
+    """Return the report as HTML that opens without a network."""
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("dnawaves.report"),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    first = next(iter(results.scenes.values()))
+    numbers = count(1)
+    return environment.get_template("report.html.j2").render(
+        title=TITLE,
+        # Two figures must not share an identifier.
+        next_number=lambda: next(numbers),
+        figure_json=_figure_json,
+        legend=legend,
+        plotly_js=get_plotlyjs(),
+        headlines=headlines(results.table),
+        systems=results.systems,
+        scenes=[scene_section(scene) for scene in results.scenes.values()],
+        speeds=_speeds(results),
+        verdict_header=VERDICT_HEADER,
+        blank=BLANK,
+        verdicts=verdicts(results.table),
+        dispersion=_dispersion(results),
+        structures=structure_table(list(results.systems.values())),
+        profiles={name: _profiles(system.structure) for name, system in results.systems.items()},
+        errata=errata(first.pairs, first.spacing_A),
+        costs=_costs(results),
+        versions=_versions(results),
+        configuration=_configuration(results),
+        config_name=results.config.name,
+        outside=OUTSIDE,
+    )
+
+
+# Measured sound in DNA, Å/ps: aligned films of 40 % calf-thymus DNA (Liu et al. 2005, J. Chem.
+# Phys. 123, doi 10.1063/1.2128702).
+OUTSIDE = {"Brillouin light scattering": 18.0, "inelastic X-ray scattering": 31.0}
+
+
+def _figure_json(illustration: Illustration) -> str:
+    """Return a figure as JSON that can stand inside a script element."""
+    text = str(illustration.figure.to_json())
+    return text.replace("<", "\\u003c")
+
+
+def _speeds(results: Results) -> list[Illustration]:
+    if results.table["speed_A_per_ps"].isna().all():
+        return []
+    return [
+        Illustration(
+            "All speeds at a glance",
+            speeds_figure(results.table),
+            "Each dot is an estimate with the range over its fits; the black tick is what the "
+            "paper's rod gives for the same thing. Estimates of one wave should lie above each "
+            "other. Standing bends and shears are in the dispersion figure.",
+        )
+    ]
+
+
+def _dispersion(results: Results) -> list[Illustration]:
+    shown = []
+    for name in results.systems:
+        table = results.table[results.table["system"] == name]
+        spacing = next(
+            scene.spacing_A for scene in results.scenes.values() if scene.spec.system.name == name
+        )
+        if len(standing_points(table)):
+            shown.append(
+                Illustration(
+                    f"Dispersion, {name}",
+                    dispersion_figure(table, spacing),
+                    "Frequency of each standing wave over its wavenumber. Dashed: branches of the "
+                    "paper's rod as a chain of base pairs. Solid: the chain whose speed is that of "
+                    "the lowest standing wave; a uniform rod would carry the higher ones on the "
+                    "same line. Bend is the lower, shear the upper of two mixed branches.",
+                )
+            )
+    return shown
+
+
+def _profiles(structure: xr.Dataset) -> list[Illustration]:
+    return [
+        Illustration(
+            name.capitalize(),
+            step_profile(structure, name),
+            "The band is where the interior mean of B-DNA lies." if name in B_FORM else "",
+        )
+        for name in STEP_PARAMETERS
+    ]
+
+
+def _costs(results: Results) -> dict[str, object]:
+    jobs = results.jobs
+    if not jobs:
+        return {"note": f"The time and memory of the jobs were {NOT_RECORDED}."}
+    known = [job.wall_s for job in jobs if job.wall_s is not None]
+    return {
+        "note": f"{counted(len(jobs), 'job')} took {digits(sum(known) / 60)} minutes one after the "
+        "other; jobs that ran side by side took less. This page's own job is not among them.",
+        "figures": [
+            Illustration(
+                "Where the time went", costs_figure(jobs), "Seconds of each job, one bar per scene."
+            )
+        ],
+        "table": costs_table(jobs),
+        "jobs": jobs_table(jobs),
+    }
+
+
+def _versions(results: Results) -> dict[str, str]:
+    attributes: Iterable[tuple[str, object]] = (
+        pair
+        for system in results.systems.values()
+        for source in (system.structure.attrs, system.minimum)
+        for pair in source.items()
+    )
+    found: dict[str, set[str]] = {}
+    for name, value in attributes:
+        if name.startswith("version_"):
+            found.setdefault(name.removeprefix("version_"), set()).add(str(value))
+    found.setdefault("plotly", set()).add(version("plotly"))
+    return {name: ", ".join(sorted(values)) for name, values in sorted(found.items())}
+
+
+def _configuration(results: Results) -> str:
+    content = {
+        "systems": {
+            name: system.spec.model_dump(mode="json") for name, system in results.systems.items()
+        },
+        "scenes": {
+            name: {
+                "system": scene.spec.system.name,
+                **scene.spec.model_dump(mode="json", exclude={"system", "name"}),
+            }
+            for name, scene in results.scenes.items()
+        },
+    }
+    return yaml.safe_dump(content, sort_keys=False, allow_unicode=True)
