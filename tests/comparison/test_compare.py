@@ -79,6 +79,6 @@ def test_agreement_names_what_differs_and_why(tmp_path: Path) -> None:
     ]
     sentences = agreement(compare([table(tmp_path, *rows)], {"d-e": "B-DNA"}), "extension")
     assert "m1" in sentences[0] and "16.5" in sentences[0]
-    assert sentences[1].startswith("k, waveform: -4%, agrees")
-    assert sentences[2].startswith("l, static: -17%, differs") and "17.7" in sentences[2]
+    assert sentences[1].startswith("k, waveform: −4%, agrees")
+    assert sentences[2].startswith("l, static: −17%, differs") and "17.7" in sentences[2]
     assert len(sentences) == 3

@@ -9,7 +9,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from dnawaves.duplex.build import build_duplex, write_pdb
-from dnawaves.motion.structure import b_form_verdict, heavy_atom_rmsd_A, inspect_structure
+from dnawaves.motion.structure import (
+    b_form_verdict,
+    heavy_atom_rmsd_A,
+    inspect_structure,
+    kinked_steps,
+)
 from dnawaves.scene.models import Environment, NamedDuplex, SystemSpec
 from dnawaves.system.duplex import SimulatedDuplex
 from dnawaves.system.forces import load_force_field
@@ -77,5 +82,19 @@ def test_rmsd_is_that_after_superposition(
 def test_each_fault_is_in_the_verdict(
     rise: float, twist: float, lost: list[str], fault: str
 ) -> None:
-    assert fault in b_form_verdict(rise, twist, lost)
-    assert b_form_verdict(3.3, 36.0, []) == "B-DNA"
+    assert fault in b_form_verdict(rise, twist, lost, [])
+    assert b_form_verdict(3.3, 36.0, [], []) == "B-DNA"
+
+
+def test_a_kink_shows_although_the_mean_is_that_of_b_dna(
+    built: tuple[SimulatedDuplex, Path],
+) -> None:
+    duplex, path = built
+    dataset = inspect_structure(duplex, path, path)
+    assert kinked_steps(dataset) == []
+    # One unstacked step, as DNA relaxed without solvent shows it.
+    dataset["roll"][4] = -68.0
+    dataset["rise"][4] = 5.42
+    (kink,) = kinked_steps(dataset)
+    assert "A:5-B:6/A:6-B:5" in kink and "5.4 Å" in kink and "-68°" in kink
+    assert b_form_verdict(3.4, 37.0, [], [kink]).startswith("B-DNA on average, kinked at A:5")

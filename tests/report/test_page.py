@@ -126,7 +126,7 @@ def test_a_duplex_that_is_not_b_dna_is_told_at_the_top(results):
         results.table,
         results.jobs,
     )
-    assert "Its speeds are not those of B-DNA" in Reader(render(changed)).text
+    assert "Its speeds are those of this structure" in Reader(render(changed)).text
 
 
 def test_versions_and_the_configuration_are_on_the_page(reader):

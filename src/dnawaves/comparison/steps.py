@@ -8,7 +8,7 @@ from pathlib import Path
 import pandas as pd
 
 from dnawaves.files import read_netcdf, whole_file
-from dnawaves.waves.table import CSV_FORMAT, read_table
+from dnawaves.waves.table import CSV_FORMAT, TEXT_COLUMNS, read_table
 
 # Estimators of one wave that differ by more than this are said to disagree.
 AGREEMENT = 0.10
@@ -33,6 +33,8 @@ def compare(tables: Sequence[pd.DataFrame], b_form: Mapping[str, str]) -> pd.Dat
     table = pd.concat(
         [table.dropna(axis="columns", how="all") for table in tables], ignore_index=True
     ).reindex(columns=tables[0].columns)
+    text = list(TEXT_COLUMNS)
+    table[text] = table[text].astype(object).fillna("")
     table["structure"] = [b_form[str(system)] for system in table["system"]]
     table["verdict"] = [_verdict(row) for _, row in table.iterrows()]
     return table
@@ -81,7 +83,8 @@ def _agreement_in_system(group: pd.DataFrame) -> list[str]:
             continue
         change = float(row["speed_A_per_ps"]) / speed - 1
         words = "agrees" if abs(change) <= AGREEMENT else "differs"
-        sentence = f"{row['scene']}, {row['estimator']}: {change:+.0%}, {words}"
+        percent = f"{change:+.0%}".replace("-", "−")
+        sentence = f"{row['scene']}, {row['estimator']}: {percent}, {words}"
         sentences.append(sentence + (f" ({_why(row, known)})." if words == "differs" else "."))
     return sentences
 

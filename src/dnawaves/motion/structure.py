@@ -25,6 +25,9 @@ TWIST_RANGE_DEG = (30.0, 40.0)
 # Terminal steps fray; two off each end are left out of the mean.
 TERMINAL_STEPS = 2
 FEWEST_BONDS = 2
+# A step beyond these has lost its stacking: the duplex is kinked there, whatever the mean says.
+KINK_RISE_RANGE_A = (2.4, 4.6)
+KINK_ROLL_DEG = 45.0
 
 
 def inspect_step(
@@ -60,6 +63,7 @@ def inspect_structure(duplex: SimulatedDuplex, built: Path, relaxed: Path) -> xr
         for label, count in zip(dataset["pair"].values, bonds, strict=True)
         if count < FEWEST_BONDS
     ]
+    kinked = kinked_steps(dataset)
     steps = dataset.sizes["step"]
     margin = TERMINAL_STEPS if steps > 2 * TERMINAL_STEPS else 0
     inside = slice(margin, steps - margin)
@@ -77,14 +81,29 @@ def inspect_structure(duplex: SimulatedDuplex, built: Path, relaxed: Path) -> xr
         "interior_roll_deg": means["roll"],
         "rmsd_to_built_A": heavy_atom_rmsd_A(built, relaxed),
         "lost_pairs": ", ".join(lost),
-        "verdict": b_form_verdict(means["rise"], means["twist"], lost),
+        "kinked_steps": ", ".join(kinked),
+        "verdict": b_form_verdict(means["rise"], means["twist"], lost, kinked),
         "system": duplex.spec.name,
         **provenance("MDAnalysis", "mdtraj"),
     }
     return dataset
 
 
-def b_form_verdict(rise_A: float, twist_deg: float, lost_pairs: list[str]) -> str:
+def kinked_steps(dataset: xr.Dataset) -> list[str]:
+    """Return the steps whose rise or roll says that the bases are no longer stacked."""
+    low, high = KINK_RISE_RANGE_A
+    rise, roll = dataset["rise"].values, dataset["roll"].values
+    kinked = (rise < low) | (rise > high) | (np.abs(roll) > KINK_ROLL_DEG)
+    return [
+        f"{label} (rise {rise[index]:.1f} Å, roll {roll[index]:.0f}°)"
+        for index, label in enumerate(dataset["step"].values)
+        if kinked[index]
+    ]
+
+
+def b_form_verdict(
+    rise_A: float, twist_deg: float, lost_pairs: list[str], kinked: list[str]
+) -> str:
     """Return 'B-DNA', or what is not as in B-DNA."""
     faults = []
     for name, value, (low, high), unit in (
@@ -95,7 +114,9 @@ def b_form_verdict(rise_A: float, twist_deg: float, lost_pairs: list[str]) -> st
             faults.append(f"interior {name} {value:.2f} {unit} outside {low:g}-{high:g} {unit}")
     if lost_pairs:
         faults.append(f"Watson-Crick pair lost: {', '.join(lost_pairs)}")
-    return "not B-DNA: " + "; ".join(faults) if faults else "B-DNA"
+    if faults:
+        return "not B-DNA: " + "; ".join(faults + [f"kinked at {step}" for step in kinked])
+    return "B-DNA on average, kinked at " + "; ".join(kinked) if kinked else "B-DNA"
 
 
 def hydrogen_bonds(duplex: SimulatedDuplex, structure: Path) -> NDArray[np.int64]:

@@ -50,14 +50,21 @@ def _read_motion(path: Path, scene: SceneSpec) -> xr.Dataset:
 
 
 def figure_data(records: Sequence[Record]) -> xr.Dataset:
-    """Return what a scene's figures show: fields, maps, projections of its first member."""
+    """Return what a scene's figures show: fields, maps and projections of one member.
+
+    That is the first; of a periodic scene the one with the largest response.
+    """
     first = records[0]
     excitation = first.scene.excitation
+    if isinstance(excitation, Periodic):
+        peaks = [np.abs(mode_projection(record, excitation.wave)).max() for record in records]
+        first = records[int(np.argmax(peaks))]
     dataset = first.fields.copy()
     dataset.attrs = {
         "scene": first.scene.model_dump_json(),
         "usable_frames": first.usable,
         "length_A": first.length_A,
+        "member": first.member,
     }
     if isinstance(excitation, Static):
         return dataset
@@ -77,7 +84,6 @@ def figure_data(records: Sequence[Record]) -> xr.Dataset:
         dataset["projection"] = ("time", standing_projection(first, excitation.wave))
     if isinstance(excitation, Periodic):
         drives = [float(record.motion.attrs["frequency_GHz"]) for record in records]
-        peaks = [np.abs(mode_projection(record, excitation.wave)).max() for record in records]
         dataset["response"] = ("drive", peaks)
         dataset = dataset.assign_coords(drive=("drive", drives, {"units": "GHz"}))
     if isinstance(excitation, Nothing):

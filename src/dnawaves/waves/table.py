@@ -45,6 +45,7 @@ class Estimate:
 
 
 COLUMNS = tuple(field.name for field in fields(Estimate))
+TEXT_COLUMNS = ("scene", "wave", "estimator", "interval", "reason", "system")
 
 
 def spread(estimate: Estimate, speeds_A_per_ps: Sequence[float], paper_A_per_ps: float) -> Estimate:
@@ -72,7 +73,5 @@ def write_table(path: Path, estimates: Iterable[Estimate]) -> None:
 
 def read_table(path: Path) -> pd.DataFrame:
     """Read a table of estimates; text columns are empty strings where nothing was written."""
-    frame = pd.read_csv(path)
-    text = ["scene", "wave", "estimator", "interval", "reason", "system"]
-    frame[text] = frame[text].astype(object).fillna("").astype(str)
-    return frame
+    # Converters, because pandas takes a scene that is called "null" or "NA" for a missing value.
+    return pd.read_csv(path, converters=dict.fromkeys(TEXT_COLUMNS, str))
