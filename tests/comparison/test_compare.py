@@ -82,3 +82,10 @@ def test_agreement_names_what_differs_and_why(tmp_path: Path) -> None:
     assert sentences[1].startswith("k, waveform: −4%, agrees")
     assert sentences[2].startswith("l, static: −17%, differs") and "17.7" in sentences[2]
     assert len(sentences) == 3
+
+
+def test_names_that_pandas_takes_for_missing_values_survive(tmp_path: Path) -> None:
+    read = table(tmp_path, *(estimate(name, "none") for name in ("null", "NA", "nan")))
+    assert read["scene"].tolist() == ["null", "NA", "nan"]
+    assert read["reason"].tolist() == ["", "", ""]
+    assert read["speed_A_per_ps"].isna().all()

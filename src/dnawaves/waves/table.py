@@ -73,5 +73,8 @@ def write_table(path: Path, estimates: Iterable[Estimate]) -> None:
 
 def read_table(path: Path) -> pd.DataFrame:
     """Read a table of estimates; text columns are empty strings where nothing was written."""
-    # Converters, because pandas takes a scene that is called "null" or "NA" for a missing value.
-    return pd.read_csv(path, converters=dict.fromkeys(TEXT_COLUMNS, str))
+    # As text first: pandas takes a scene that is called "null" or "NA" for a missing value.
+    frame = pd.read_csv(path, dtype=str, keep_default_na=False)
+    numbers = [name for name in COLUMNS if name not in TEXT_COLUMNS]
+    frame[numbers] = frame[numbers].apply(pd.to_numeric)
+    return frame
