@@ -96,8 +96,8 @@ def test_a_value_left_out(write_configuration: Any, missing: object, place: str)
 def test_an_environment_is_refused_by_its_own_name(write_configuration: Any) -> None:
     message = refusal(write_configuration("environments.condensed.counterion_fraction", 1.5))
     assert "environment 'condensed': counterion_fraction: found 1.5; allowed: " in message
-    message = refusal(write_configuration("environments.condensed.switch_nm", 1.2))
-    assert "switch_nm must be below cutoff_nm (1.2), found 1.2" in message
+    message = refusal(write_configuration("environments.condensed.switch_nm", 0.9))
+    assert "switch_nm must be below cutoff_nm (0.9), found 0.9" in message
 
 
 def test_every_mistake_is_told_at_once(write_configuration: Any) -> None:

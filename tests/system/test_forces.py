@@ -21,7 +21,7 @@ SEQUENCE = "CGAT"
 PHOSPHATES = 2 * len(SEQUENCE) - 2
 # e²/(4 pi eps0) in kJ/mol nm.
 COULOMB = scipy.constants.e**2 / (4 * np.pi * scipy.constants.epsilon_0) * scipy.constants.N_A * 1e6
-CUTOFF_NM, SWITCH_NM = 1.2, 1.0
+CUTOFF_NM, SWITCH_NM = 0.9, 0.8
 
 
 @pytest.mark.parametrize("fraction", [0.0, 0.25, 1.0])

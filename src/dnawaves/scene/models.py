@@ -59,10 +59,10 @@ class Environment(Model):
         1.0, description="condensed counterion charge per phosphate, spread over P, OP1 and OP2"
     )
     cutoff_nm: Annotated[float, Field(ge=0.8, le=3.0)] = Field(
-        1.2, description="where the reaction field's force has come to zero"
+        0.9, description="where the reaction field's force has come to zero"
     )
     switch_nm: Annotated[float, Field(ge=0.5, le=3.0)] = Field(
-        1.0, description="where the Lennard-Jones potential starts to be switched off"
+        0.8, description="where the Lennard-Jones potential starts to be switched off"
     )
     relaxation: Relaxation = Relaxation()
 
