@@ -1,8 +1,8 @@
 """How far the speeds depend on which minimum the anneal ends in.
 
-python benchmarks/inherent_structures.py CONFIG SYSTEM SEED..., with SYSTEM a system of CONFIG such as
-mixed24-condensed. Relaxes it once per seed and prints, for each, the energy, the speeds of the linear
-static response and whether the structure is B-DNA.
+python benchmarks/inherent_structures.py CONFIG SYSTEM SEED..., with SYSTEM a system of CONFIG such
+as mixed24-condensed. Relaxes it once per seed and prints, for each, the energy, the speeds of the
+linear static response and whether the structure is B-DNA.
 """
 
 from __future__ import annotations
