@@ -14,7 +14,7 @@ from tempfile import TemporaryDirectory
 from dnawaves.duplex.build import build_duplex, write_pdb
 from dnawaves.motion.structure import inspect_structure
 from dnawaves.scene.load import load_scenes
-from dnawaves.system.duplex import SimulatedDuplex
+from dnawaves.system.duplex import read_built
 from dnawaves.system.forces import load_force_field
 from dnawaves.system.guided import STATIC_WAVES
 from dnawaves.system.relax import relax
@@ -32,10 +32,11 @@ def main(config: Path, name: str, seeds: list[int]) -> None:
             relaxation = spec.environment.relaxation.model_copy(update={"seed": seed})
             environment = spec.environment.model_copy(update={"relaxation": relaxation})
             seeded = spec.model_copy(update={"environment": environment})
-            duplex = SimulatedDuplex(seeded, topology, positions)
+            # From the file, as the workflow does: its rounding decides where an anneal ends too.
+            duplex = read_built(seeded, built)
             dataset, _ = relax(duplex, threads=2, report=lambda line: None)
             minimum = duplex.with_positions(dataset["position_nm"].values)
-            write_pdb(topology, minimum.positions_nm, relaxed)
+            write_pdb(duplex.topology, minimum.positions_nm, relaxed)
             structure = inspect_structure(minimum, built, relaxed).attrs
             speeds = [
                 float(dataset.attrs[f"first_estimate_{wave}_A_per_ps"]) for wave in STATIC_WAVES
