@@ -119,15 +119,17 @@ def simulate(
         Path | None, typer.Option(help="folder for the base atoms' trajectories", file_okay=False)
     ] = None,
     fitted: Annotated[
-        Path | None,
-        typer.Option(help="speeds of the scene that a sweep names", exists=True, dir_okay=False),
+        list[Path] | None,
+        typer.Option(
+            help="speeds of a scene that a sweep names; once for each", exists=True, dir_okay=False
+        ),
     ] = None,
     threads: Threads = 1,
 ) -> None:
     """Simulate one run of a scene."""
     from dnawaves.trajectory.steps import simulate_step
 
-    simulate_step(scene, built, relaxed, hessian, member, output, trajectory, fitted, threads)
+    simulate_step(scene, built, relaxed, hessian, member, output, trajectory, fitted or [], threads)
 
 
 @app.command()

@@ -52,7 +52,7 @@ CONFIGURATION: dict[str, Any] = {
                 "kind": "periodic",
                 "wave": "extension",
                 "force_pN": 20,
-                "sweep": {"scene": "kicked", "points": 3},
+                "sweep": {"scenes": ["kicked"], "points": 3},
             },
         },
         "loaded": {

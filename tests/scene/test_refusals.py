@@ -41,7 +41,7 @@ def test_the_configuration_that_the_tests_spoil_is_valid(write_configuration: An
         ("kicked.excitation.scales", [1, 1], "[1.0, 1.0]", "differ from each other"),
         ("kicked.excitation.scales", [], "[]", "at least 1 item"),
         ("standing.excitation.mode", 11, "11", "1 to 10, the number of free base pairs"),
-        ("swept.excitation.sweep.scene", "quiet", "'quiet'", "kicked"),
+        ("swept.excitation.sweep.scenes", ["quiet"], "'quiet'", "kicked"),
         ("swept.excitation.sweep.points", 1, "1", "greater than or equal to 2"),
         ("kicked.observation.timestep_fs", 5, "5", "less than or equal to 2.5"),
         ("kicked.observation.duration_ps", 0, "0", "greater than 0"),
@@ -112,7 +112,7 @@ KNOWN_KEYS = {
     "scenes.kicked.ends": ["first", "last", "pairs"],
     "scenes.kicked.excitation": ["wave", "velocity_A_per_ps", "scales"],
     "scenes.kicked.observation": ["timestep_fs", "duration_ps", "crossings", "helical"],
-    "scenes.swept.excitation.sweep": ["scene", "points"],
+    "scenes.swept.excitation.sweep": ["scenes", "points"],
 }
 
 

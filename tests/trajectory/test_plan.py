@@ -47,7 +47,7 @@ def drive(**more: Any) -> dict[str, Any]:
     return {"kind": "periodic", "wave": "extension", "force_pN": 20, **more}
 
 
-def plan(scene: SceneSpec, member: str, fitted: float | None = None) -> Plan:
+def plan(scene: SceneSpec, member: str, *fitted: float) -> Plan:
     return make_plan(scene, member, ESTIMATES, LENGTH_A, fitted)
 
 
@@ -138,7 +138,7 @@ def test_each_declared_frequency_has_its_member(make: Callable[..., SceneSpec]) 
 def test_sweep_holds_the_lowest_modes_of_both_rods(
     make: Callable[..., SceneSpec], fitted: float
 ) -> None:
-    scene = make(drive(sweep={"scene": "other", "points": 4}))
+    scene = make(drive(sweep={"scenes": ["other"], "points": 4}))
     found = [plan(scene, member, fitted).frequency_GHz for member in scene.members]
     assert len(found) == 4
     assert all(np.diff(found) > 0)
@@ -149,9 +149,16 @@ def test_sweep_holds_the_lowest_modes_of_both_rods(
         assert found[0] * 1.29 < mode_GHz < found[-1] / 1.29
 
 
+def test_sweep_holds_the_lowest_modes_of_all_fitted_rods(make: Callable[..., SceneSpec]) -> None:
+    scene = make(drive(sweep={"scenes": ["slow", "fast"], "points": 2}))
+    found = [plan(scene, member, 3.0, 15.0).frequency_GHz for member in scene.members]
+    expected = [1e3 * speed / (2 * LENGTH_A) for speed in (3.0 / 1.3, 15.0 * 1.3)]
+    assert found == pytest.approx(expected, rel=1e-12)
+
+
 def test_sweep_without_the_fitted_speed_is_refused(make: Callable[..., SceneSpec]) -> None:
-    scene = make(drive(sweep={"scene": "other", "points": 4}))
-    with pytest.raises(InputError, match="needs the fitted speed of scene 'other'"):
+    scene = make(drive(sweep={"scenes": ["other"], "points": 4}))
+    with pytest.raises(InputError, match="found 0 fitted speeds; allowed: one for each of other"):
         plan(scene, "f1")
 
 
@@ -159,7 +166,7 @@ def test_sweep_beyond_the_nyquist_frequency_is_refused_when_it_is_known(
     make: Callable[..., SceneSpec],
 ) -> None:
     # Frames every 4 ps see up to 125 GHz. The sweep's frequencies are not known before the fit.
-    scene = make(drive(sweep={"scene": "other", "points": 2}), interval_fs=4000)
+    scene = make(drive(sweep={"scenes": ["other"], "points": 2}), interval_fs=4000)
     slow, fast = (1.3 * 1e3 * speed / (2 * LENGTH_A) for speed in (12.0, 15.0))
     assert slow < 125 < fast
     assert plan(scene, "f2", 12.0).frequency_GHz == pytest.approx(slow, rel=1e-12)

@@ -40,7 +40,7 @@ def simulate(relaxed: Any, make_scene: Callable[..., SceneSpec], tmp_path: Path)
             member,
             tmp_path / "out" / "motion.nc",
             trajectory,
-            fitted,
+            [fitted] if fitted else [],
             threads=1,
         )
         return tmp_path / "out" / "motion.nc"
@@ -115,7 +115,7 @@ def test_a_sweep_takes_its_frequencies_from_the_fitted_speed(
         "wave": "extension",
         "force_pN": 20,
         "pairs": 2,
-        "sweep": {"scene": "other", "points": 2},
+        "sweep": {"scenes": ["other"], "points": 2},
     }
     motion = read_netcdf(simulate(excitation, HELD, "f2", None, table, duration_ps=0.02))
     length_A = float(motion["height"][-1] - motion["height"][0])

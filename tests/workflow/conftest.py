@@ -27,7 +27,7 @@ scenes:
     environment: condensed
     ends: {first: held, last: held}
     excitation:
-      {kind: periodic, wave: extension, force_pN: 20, sweep: {scene: kicked, points: 2}}
+      {kind: periodic, wave: extension, force_pN: 20, sweep: {scenes: [kicked], points: 2}}
   quiet:
     duplex: eight
     environment: condensed

@@ -32,7 +32,11 @@ rule compare:
 rule report:
     input:
         "results/comparison.csv",
-        expand("results/systems/{system}/{file}.nc", system=SYSTEMS, file=["structure", "relaxed"]),
+        expand(
+            "results/systems/{system}/{file}.nc",
+            system=SYSTEMS,
+            file=["structure", "relaxed"],
+        ),
         expand("results/scenes/{scene}/waves.nc", scene=SCENES),
         [
             f"results/scenes/{name}/{member}/{sign}.helical.nc"

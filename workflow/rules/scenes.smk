@@ -49,7 +49,10 @@ rule simulate:
         mem_mb=2000,
         runtime=240,
     params:
-        fitted=lambda w, input: f"--fitted {input.fitted}" if input.fitted else "",
+        fitted=lambda w, input: [
+            f"--fitted results/scenes/{source}/speeds.csv"
+            for source in SCENES[w.scene].needs
+        ],
         trajectory=lambda w, output: (
             f"--trajectory {output.trajectory}"
             if "trajectory" in output.keys()

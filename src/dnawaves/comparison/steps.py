@@ -90,18 +90,26 @@ def _agreement_in_system(group: pd.DataFrame) -> list[str]:
 
 
 def _why(row: pd.Series, group: pd.DataFrame) -> str:
-    if row["estimator"].startswith("static"):
+    estimator = row["estimator"]
+    if estimator.startswith("static"):
         held = group[group["estimator"] == "static, held across"]
-        value = f", {held.iloc[0]['speed_A_per_ps']:.1f} Å/ps" if len(held) else ""
-        return (
-            "a static load lets the base pairs move across the axis and tilt, and softens the "
-            f"duplex as it grows; the vanishing load with motion across the axis held{value}"
+        value = (
+            f"; with that held it gives {held.iloc[0]['speed_A_per_ps']:.1f}" if len(held) else ""
         )
-    if row["estimator"] == "standing wave":
+        return (
+            "at rest the base pairs follow the load across the axis as well, which a wave at "
+            f"this frequency is too fast for{value}"
+        )
+    if estimator == "standing wave":
         return (
             f"a shorter wave, {row['frequency_GHz']:.0f} GHz, in which other branches mix: "
             f"misfit {row['misfit']:.2f}"
         )
-    if row["estimator"] == "arrival":
+    if estimator == "arrival":
         return "the front is made of the shortest waves, which other branches mix into"
+    if estimator == "resonance":
+        return (
+            "a force on a few base pairs drives more than the lowest mode: "
+            f"misfit {row['misfit']:.2f}"
+        )
     return f"the uniform chain is the wrong model for this record: misfit {row['misfit']:.2f}"

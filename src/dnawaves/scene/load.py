@@ -110,21 +110,21 @@ def _resolve(
     free = _check_room(scene, len(sequence), refuse)
     excitation = scene.excitation
     if isinstance(excitation, Periodic) and excitation.sweep:
-        source = configuration.scenes.get(excitation.sweep.scene)
         candidates = [
             other
             for other, its in configuration.scenes.items()
-            if isinstance(its.excitation, Kick | Pulse)
+            if isinstance(its.excitation, Kick | StandingWave)
             and its.excitation.wave == excitation.wave
             and (its.duplex, its.environment) == (scene.duplex, scene.environment)
         ]
-        if source is None or excitation.sweep.scene not in candidates:
-            refuse(
-                "excitation.sweep.scene",
-                excitation.sweep.scene,
-                f"a kick or pulse scene of the same wave, duplex and environment: "
-                f"{_listed(candidates)}",
-            )
+        for source in excitation.sweep.scenes:
+            if source not in candidates:
+                refuse(
+                    "excitation.sweep.scenes",
+                    source,
+                    "kick or standing-wave scenes of the same wave, duplex and environment: "
+                    f"{_listed(candidates)}",
+                )
     if isinstance(excitation, StandingWave) and excitation.mode > free:
         refuse("excitation.mode", excitation.mode, f"1 to {free}, the number of free base pairs")
     return SceneSpec(

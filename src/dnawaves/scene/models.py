@@ -169,9 +169,11 @@ class Pulse(_Forced, _Local):
 
 
 class Sweep(Model):
-    """Drive frequencies that hold both the paper's lowest mode and that of a fitted rod."""
+    """Drive frequencies that hold the paper's lowest mode and those of fitted rods."""
 
-    scene: Name = Field(description="scene whose fitted speed gives the rod's lowest mode")
+    scenes: Annotated[tuple[Name, ...], Field(min_length=1)] = Field(
+        description="kicked scenes whose fitted speeds give a rod's lowest mode"
+    )
     points: Annotated[int, Field(ge=2, le=50)] = Field(5, description="number of frequencies")
 
 
@@ -182,7 +184,7 @@ class Periodic(_Forced, _Local):
     frequencies_GHz: Annotated[tuple[PositiveFloat, ...], Field(min_length=1)] | None = Field(
         None, description="drive frequencies, one run each"
     )
-    sweep: Sweep | None = Field(None, description="frequencies from a fitted scene instead")
+    sweep: Sweep | None = Field(None, description="frequencies from fitted scenes instead")
 
     @model_validator(mode="after")
     def _one_source_of_frequencies(self) -> Self:
@@ -345,9 +347,9 @@ class SceneSpec(Model):
 
     @property
     def needs(self) -> tuple[str, ...]:
-        """Names of the scenes whose fitted speed this scene's drive is chosen from."""
+        """Names of the scenes whose fitted speeds this scene's drive is chosen from."""
         if isinstance(self.excitation, Periodic) and self.excitation.sweep:
-            return (self.excitation.sweep.scene,)
+            return self.excitation.sweep.scenes
         return ()
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -47,7 +47,7 @@ def make_plan(
     member: str,
     estimates_A_per_ps: Mapping[str, float],
     length_A: float,
-    fitted_speed_A_per_ps: float | None = None,
+    fitted_speeds_A_per_ps: Sequence[float] = (),
 ) -> Plan:
     """Return the plan of one member of a scene.
 
@@ -55,7 +55,7 @@ def make_plan(
     ----------
     estimates_A_per_ps : first estimates of the speeds of extension and twist
     length_A : length of the duplex along its axis
-    fitted_speed_A_per_ps : speed fitted to the scene that a sweep names
+    fitted_speeds_A_per_ps : speeds fitted to the scenes that a sweep names
 
     Raises
     ------
@@ -76,7 +76,7 @@ def make_plan(
     interval_ps = np.pi * spacing_A / fastest / SAMPLES_PER_PERIOD
     frequency_GHz = None
     if isinstance(excitation, Periodic):
-        frequency_GHz = drive_frequencies_GHz(excitation, length_A, fitted_speed_A_per_ps)[
+        frequency_GHz = drive_frequencies_GHz(excitation, length_A, fitted_speeds_A_per_ps)[
             scene.members.index(member)
         ]
         interval_ps = min(interval_ps, 1e3 / frequency_GHz / SAMPLES_PER_PERIOD)
@@ -102,21 +102,23 @@ def make_plan(
 
 
 def drive_frequencies_GHz(
-    excitation: Periodic, length_A: float, fitted_speed_A_per_ps: float | None
+    excitation: Periodic, length_A: float, fitted_speeds_A_per_ps: Sequence[float]
 ) -> tuple[float, ...]:
     """Return the frequencies of a periodic scene.
 
-    A sweep spans the lowest modes V/2L of the paper's rod and of the fitted one with a margin.
+    A sweep spans the lowest modes V/2L of the paper's rod and of the fitted ones with a margin.
     """
     if excitation.frequencies_GHz is not None:
         return excitation.frequencies_GHz
     assert excitation.sweep is not None
-    if fitted_speed_A_per_ps is None:
+    wanted = excitation.sweep.scenes
+    if len(fitted_speeds_A_per_ps) != len(wanted):
         raise InputError(
-            f"excitation.sweep needs the fitted speed of scene '{excitation.sweep.scene}'"
+            f"excitation.sweep: found {len(fitted_speeds_A_per_ps)} fitted speeds; "
+            f"allowed: one for each of {', '.join(wanted)}"
         )
     paper = short_wave_speeds_A_per_ps(Rod.paper())[excitation.wave]
-    modes_GHz = [1e3 * speed / (2 * length_A) for speed in (paper, fitted_speed_A_per_ps)]
+    modes_GHz = [1e3 * speed / (2 * length_A) for speed in (paper, *fitted_speeds_A_per_ps)]
     sweep = np.linspace(
         min(modes_GHz) / SWEEP_MARGIN, max(modes_GHz) * SWEEP_MARGIN, excitation.sweep.points
     )

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import shutil
+from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
 import scipy.sparse
 
+from dnawaves.errors import InputError
 from dnawaves.files import read_netcdf, write_netcdf
 from dnawaves.scene.load import read_scene
 from dnawaves.scene.models import Static
@@ -16,6 +18,9 @@ from dnawaves.trajectory.load import relax_under_load
 from dnawaves.trajectory.plan import make_plan
 from dnawaves.trajectory.record import SIGNS
 from dnawaves.trajectory.run import run_member
+
+# Estimators whose speed a sweep may start from.
+FITTED = ("waveform", "standing wave")
 
 
 def simulate_step(
@@ -26,13 +31,13 @@ def simulate_step(
     member: str,
     output: Path,
     trajectory: Path | None,
-    fitted: Path | None,
+    fitted: Sequence[Path],
     threads: int,
 ) -> None:
     """Simulate one member of a scene; write its motion and, if asked for, its trajectories.
 
     `hessian` is read for a static load only. `trajectory` is a folder that gets one DCD file of
-    base atoms for each sign; `fitted` is the table of speeds of the scene that a sweep names.
+    base atoms for each sign; `fitted` are the tables of speeds of the scenes that a sweep names.
     """
     scene = read_scene(scene_json)
     duplex = read_relaxed(scene.system, built, relaxed)
@@ -42,7 +47,7 @@ def simulate_step(
         for wave in ("extension", "twist")
     }
     length_A = 10 * float(duplex.heights_nm[-1] - duplex.heights_nm[0])
-    plan = make_plan(scene, member, estimates, length_A, _fitted_speed(fitted))
+    plan = make_plan(scene, member, estimates, length_A, [_fitted_speed(one) for one in fitted])
     if isinstance(scene.excitation, Static):
         matrix = scipy.sparse.load_npz(hessian).toarray()
         write_netcdf(output, relax_under_load(duplex, scene, plan, float(member[1:]), matrix))
@@ -60,8 +65,9 @@ def simulate_step(
     write_netcdf(output, recorder.dataset())
 
 
-def _fitted_speed(speeds: Path | None) -> float | None:
-    if speeds is None:
-        return None
+def _fitted_speed(speeds: Path) -> float:
     table = pd.read_csv(speeds)
-    return float(table.loc[table["estimator"] == "waveform", "speed_A_per_ps"].iloc[0])
+    fitted = table.loc[table["estimator"].isin(FITTED), "speed_A_per_ps"].dropna()
+    if fitted.empty:
+        raise InputError(f"{speeds}: found no fitted speed; allowed: one by {' or '.join(FITTED)}")
+    return float(fitted.iloc[0])
