@@ -83,6 +83,8 @@ def _agreement_in_system(group: pd.DataFrame) -> list[str]:
             continue
         change = float(row["speed_A_per_ps"]) / speed - 1
         words = "agrees" if abs(change) <= AGREEMENT else "differs"
+        if words == "agrees" and "poor fit" in row["reason"]:
+            words = "agrees, but by a poor fit"
         percent = f"{change:+.0%}".replace("-", "−")
         sentence = f"{row['scene']}, {row['estimator']}: {percent}, {words}"
         sentences.append(sentence + (f" ({_why(row, known)})." if words == "differs" else "."))
