@@ -38,7 +38,7 @@ def main(results: Path, name: str) -> None:
             update={"timestep_fs": timestep_fs, "interval_fs": 60.0}
         )
         one = scene.model_copy(update={"observation": observation})
-        plan = make_plan(one, one.members[0], estimates, length_A)
+        plan = make_plan(one, one.members[0], estimates, length_A, 10 * duplex.spacing_nm)
         started = time.perf_counter()
         recorder = run_member(duplex, one, plan, one.members[0], {})
         wall_s = time.perf_counter() - started

@@ -48,7 +48,7 @@ def drive(**more: Any) -> dict[str, Any]:
 
 
 def plan(scene: SceneSpec, member: str, *fitted: float) -> Plan:
-    return make_plan(scene, member, ESTIMATES, LENGTH_A, fitted)
+    return make_plan(scene, member, ESTIMATES, LENGTH_A, SPACING_A, fitted)
 
 
 @pytest.mark.parametrize(
@@ -71,8 +71,8 @@ def test_record_lasts_the_crossings_of_the_estimated_speed(
 
 def test_estimate_twice_as_fast_halves_the_record(make: Callable[..., SceneSpec]) -> None:
     scene = make(kick("extension"))
-    slow = make_plan(scene, "x1", {"extension": 10.0, "twist": 5.0}, LENGTH_A)
-    fast = make_plan(scene, "x1", {"extension": 20.0, "twist": 10.0}, LENGTH_A)
+    slow = make_plan(scene, "x1", {"extension": 10.0, "twist": 5.0}, LENGTH_A, SPACING_A)
+    fast = make_plan(scene, "x1", {"extension": 20.0, "twist": 10.0}, LENGTH_A, SPACING_A)
     # To a timestep of 2 fs in an interval of 50 fs, and a frame.
     assert slow.interval_ps / fast.interval_ps == pytest.approx(2, abs=0.1)
     assert slow.steps / fast.steps == pytest.approx(2, abs=0.05)

@@ -11,9 +11,9 @@ from dnawaves.waves.spectrum import frequency_wavenumber
 PAIRS, SPACING_NM, SPEED = 24, 0.34, 10.0
 
 
-@pytest.mark.parametrize("held", [[0, 23], [23], [0], []])
+@pytest.mark.parametrize("held", [(0, -1), (-1,), (0,), ()])
 @pytest.mark.parametrize("mode", [2, 7])
-def test_one_mode_of_the_chain_is_one_spot_of_the_map(held: list[int], mode: int) -> None:
+def test_one_mode_of_the_chain_is_one_spot_of_the_map(held: tuple[int, ...], mode: int) -> None:
     chain = ScalarChain.from_speed(PAIRS, SPEED, SPACING_NM, held)
     moving = np.flatnonzero(chain.frequencies_rad_per_ps > 1e-9)
     index = moving[mode - 1]
@@ -23,22 +23,11 @@ def test_one_mode_of_the_chain_is_one_spot_of_the_map(held: list[int], mode: int
     power = frequency_wavenumber(times, velocity, SPACING_NM, held)
     row, column = np.unravel_index(int(np.argmax(power.values)), power.shape)
     assert row == mode - 1
-    # The map is drawn on a grid; its peak lies within half the record's resolution.
+    # The map is drawn on a grid; its peak lies within a quarter of the map's resolution.
     found_GHz = float(power["frequency"][column])
     expected_GHz = 1e3 * omega / (2 * np.pi)
-    assert found_GHz == pytest.approx(expected_GHz, abs=0.5 * power.attrs["resolution_GHz"])
+    assert found_GHz == pytest.approx(expected_GHz, abs=0.25 * power.attrs["resolution_GHz"])
     # The wavenumber of that row obeys the chain's own dispersion relation exactly.
     k = float(power["wavenumber"][row])
     half = 10 * SPACING_NM / 2
     assert SPEED / half * np.sin(k * half) == pytest.approx(omega, rel=1e-9)
-
-
-def test_pairs_held_beyond_the_end_are_left_out() -> None:
-    held = [0, 1, 22, 23]
-    inner = ScalarChain.from_speed(22, SPEED, SPACING_NM, [0, 21])
-    times = np.arange(600) * 0.05
-    velocity = np.zeros((600, PAIRS))
-    velocity[:, 1:23] = np.cos(inner.frequencies_rad_per_ps[0] * times)[:, None] * inner.shapes[0]
-    power = frequency_wavenumber(times, velocity, SPACING_NM, held)
-    assert power.sizes["wavenumber"] == 20
-    assert int(np.argmax(power.values.max(axis=1))) == 0

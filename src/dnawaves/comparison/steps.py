@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from dnawaves.errors import InputError
 from dnawaves.files import read_netcdf, whole_file
 from dnawaves.waves.table import CSV_FORMAT, TEXT_COLUMNS, read_table
 
@@ -35,17 +36,25 @@ def compare(tables: Sequence[pd.DataFrame], b_form: Mapping[str, str]) -> pd.Dat
     ).reindex(columns=tables[0].columns)
     text = list(TEXT_COLUMNS)
     table[text] = table[text].astype(object).fillna("")
+    unknown = sorted(set(table["system"]) - set(b_form))
+    if unknown:
+        raise InputError(
+            f"structures: found none for {', '.join(unknown)}; allowed: one for each system"
+        )
     table["structure"] = [b_form[str(system)] for system in table["system"]]
     table["verdict"] = [_verdict(row) for _, row in table.iterrows()]
     return table
 
 
 def _verdict(row: pd.Series) -> str:
+    structure = "" if row["structure"] == "B-DNA" else f"; structure is {row['structure']}"
+    return _verdict_on_speed(row) + structure
+
+
+def _verdict_on_speed(row: pd.Series) -> str:
     if pd.isna(row["speed_A_per_ps"]):
         return "no wave" if row["reason"].startswith("no wave") else "no speed"
     ratio = f"{row['ratio_to_paper']:.2f} times the paper's"
-    if row["structure"] != "B-DNA":
-        return f"{ratio}; structure is {row['structure']}"
     if "poor fit" in row["reason"]:
         return f"{ratio}: undecided, poor fit"
     low, high = row["low_A_per_ps"], row["high_A_per_ps"]
@@ -87,28 +96,31 @@ def _agreement_in_system(group: pd.DataFrame) -> list[str]:
             words = "agrees, but by a poor fit"
         percent = f"{change:+.0%}".replace("-", "−")
         sentence = f"{row['scene']}, {row['estimator']}: {percent}, {words}"
-        sentences.append(sentence + (f" ({_why(row, known)})." if words == "differs" else "."))
+        why = f" ({_why(row, known, speed)})" if words == "differs" else ""
+        sentences.append(f"{sentence}{why}.")
     return sentences
 
 
-def _why(row: pd.Series, group: pd.DataFrame) -> str:
+def _why(row: pd.Series, group: pd.DataFrame, yardstick_A_per_ps: float) -> str:
     estimator = row["estimator"]
     if estimator.startswith("static"):
-        held = group[group["estimator"] == "static, held across"]
-        value = (
-            f"; with that held it gives {held.iloc[0]['speed_A_per_ps']:.1f}" if len(held) else ""
-        )
-        return (
-            "at rest the base pairs follow the load across the axis as well, which a wave at "
-            f"this frequency is too fast for{value}"
-        )
+        held = group.loc[group["estimator"] == "static, held across", "speed_A_per_ps"]
+        if len(held) and row["speed_A_per_ps"] < yardstick_A_per_ps < held.iloc[0]:
+            return (
+                "at rest the base pairs follow the load across the axis as well; with that held "
+                f"it gives {held.iloc[0]:.1f}, and the wave lies between"
+            )
+        return "no reason found"
     if estimator == "standing wave":
         return (
             f"a shorter wave, {row['frequency_GHz']:.0f} GHz, in which other branches mix: "
             f"misfit {row['misfit']:.2f}"
         )
     if estimator == "arrival":
-        return "the front is made of the shortest waves, which other branches mix into"
+        return (
+            "the pick is biased by the kick's width and the end; the paper's rod has the same bias "
+            f"and arrives {row['ratio_to_paper']:.2f} times later"
+        )
     if estimator == "resonance":
         return (
             "a force on a few base pairs drives more than the lowest mode: "

@@ -37,8 +37,8 @@ class Verdict:
 
     @property
     def mood(self) -> str:
-        """One of agrees, disagrees, structure and no."""
-        return self.verdict.split()[0]
+        """One of agrees, disagrees, undecided, structure and no."""
+        return self.verdict.split()[0].rstrip(",;")
 
 
 VERDICT_HEADER = (

@@ -20,7 +20,7 @@ SMALLEST_PULSE_TIMESTEPS = 10
 
 
 def _distinct(scales: tuple[float, ...]) -> tuple[float, ...]:
-    if len(set(scales)) != len(scales):
+    if len({f"{scale:g}" for scale in scales}) != len(scales):
         raise ValueError(f"scales must differ from each other, found {list(scales)}")
     return scales
 
@@ -181,6 +181,7 @@ class Periodic(_Forced, _Local):
     """A sinusoidal force or torque on the base pairs next to the first end."""
 
     kind: Literal["periodic"]
+    wave: Literal["extension", "twist"] = Field(description="pushed along or turned about the axis")
     frequencies_GHz: Annotated[tuple[PositiveFloat, ...], Field(min_length=1)] | None = Field(
         None, description="drive frequencies, one run each"
     )
@@ -270,8 +271,8 @@ class Scene(Model):
                 f"({observed.timestep_fs:g}), found {interval_fs:g}"
             )
         if isinstance(excitation, Periodic) and excitation.frequencies_GHz:
-            # Left out, the interval follows the drive, down to one timestep.
-            finest_fs = interval_fs or observed.timestep_fs
+            # Left out, the interval follows the drive; five timesteps still resolve it.
+            finest_fs = interval_fs or 5 * observed.timestep_fs
             nyquist_GHz = 0.5e6 / finest_fs
             for frequency_GHz in excitation.frequencies_GHz:
                 if frequency_GHz >= nyquist_GHz:

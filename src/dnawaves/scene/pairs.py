@@ -16,3 +16,10 @@ def excited_pairs(excitation: Kick | Pulse | Periodic, ends: Ends) -> list[int]:
     """Return the free base pairs next to the first end that are excited."""
     start = ends.pairs if ends.first == "held" else 0
     return list(range(start, start + excitation.pairs))
+
+
+def span(ends: Ends, pairs: int) -> tuple[int, int]:
+    """Return the first and last base pair that a wave reaches: the innermost held, or the ends."""
+    first = ends.pairs - 1 if ends.first == "held" else 0
+    outer = ends.pairs - 1 if ends.last == "held" else 0
+    return first, pairs - 1 - outer

@@ -60,10 +60,10 @@ def kick_pattern(excitation: Kick | StandingWave, ends: Ends, pairs: int) -> Pat
     return _local_pattern(excitation, ends, pairs, excitation.amplitude)
 
 
-def force_pattern(
+def forces_at_full_strength(
     excitation: Pulse | Periodic, ends: Ends, duplex: SimulatedDuplex
-) -> tuple[Pattern, Array]:
-    """Return the acceleration pattern and the forces (atoms, 3) in kJ/mol/nm at full strength.
+) -> Array:
+    """Return the forces (atoms, 3) in kJ/mol/nm at full strength.
 
     The excited base pairs are accelerated as rigid bodies; the forces add up to the declared
     total force, or the torques about the pivots to the declared total torque.
@@ -77,8 +77,8 @@ def force_pattern(
     else:
         total = float(np.sum(np.cross(arms, forces) @ about))
     # pN nm per kJ/mol is the same number as pN per kJ/mol/nm.
-    scale = excitation.amplitude / PN_PER_KJ_PER_MOL_NM / total
-    return Pattern(unit.wave, unit.linear * scale, unit.angular * scale), forces * scale
+    scaled: Array = forces * (excitation.amplitude / PN_PER_KJ_PER_MOL_NM / total)
+    return scaled
 
 
 def _local_pattern(

@@ -47,6 +47,7 @@ def make_plan(
     member: str,
     estimates_A_per_ps: Mapping[str, float],
     length_A: float,
+    spacing_A: float,
     fitted_speeds_A_per_ps: Sequence[float] = (),
 ) -> Plan:
     """Return the plan of one member of a scene.
@@ -54,7 +55,8 @@ def make_plan(
     Parameters
     ----------
     estimates_A_per_ps : first estimates of the speeds of extension and twist
-    length_A : length of the duplex along its axis
+    length_A : distance along the axis that a wave can run
+    spacing_A : mean distance of neighbouring base pairs
     fitted_speeds_A_per_ps : speeds fitted to the scenes that a sweep names
 
     Raises
@@ -69,7 +71,6 @@ def make_plan(
     observation, excitation = scene.observation, scene.excitation
     wave = getattr(excitation, "wave", "extension")
     speed = estimates_A_per_ps["extension" if wave == "extension" else "twist"]
-    spacing_A = length_A / (len(scene.system.duplex.sequence) - 1)
     duration_ps = observation.duration_ps or observation.crossings * length_A / speed
     fastest = max(estimates_A_per_ps.values())
     # Period at the edge of the base-pair lattice's band: pi a / V.

@@ -14,7 +14,7 @@ from dnawaves.errors import SimulationError
 from dnawaves.scene.models import Kick, Periodic, Pulse, SceneSpec, StandingWave
 from dnawaves.scene.pairs import held_pairs
 from dnawaves.system.duplex import SimulatedDuplex
-from dnawaves.trajectory.pattern import force_pattern, kick_pattern
+from dnawaves.trajectory.pattern import forces_at_full_strength, kick_pattern
 from dnawaves.trajectory.plan import PULSE_DELAY_WIDTHS, Plan
 from dnawaves.trajectory.progress import progress
 from dnawaves.trajectory.record import SIGNS, Recorder
@@ -145,7 +145,7 @@ def _integrator(
     else:
         assert plan.pulse_width_ps is not None
         course = gaussian_course(PULSE_DELAY_WIDTHS * plan.pulse_width_ps, plan.pulse_width_ps)
-    _, forces = force_pattern(excitation, scene.ends, duplex)
+    forces = forces_at_full_strength(excitation, scene.ends, duplex)
     return driven_velocity_verlet(plan.timestep_ps, course), forces
 
 

@@ -13,6 +13,7 @@ from dnawaves.errors import InputError
 from dnawaves.files import read_netcdf, write_netcdf
 from dnawaves.scene.load import read_scene
 from dnawaves.scene.models import Static
+from dnawaves.scene.pairs import span
 from dnawaves.system.relax import read_relaxed
 from dnawaves.trajectory.load import relax_under_load
 from dnawaves.trajectory.plan import make_plan
@@ -46,8 +47,10 @@ def simulate_step(
         wave: float(attributes[f"first_estimate_{wave}_A_per_ps"])
         for wave in ("extension", "twist")
     }
-    length_A = 10 * float(duplex.heights_nm[-1] - duplex.heights_nm[0])
-    plan = make_plan(scene, member, estimates, length_A, [_fitted_speed(one) for one in fitted])
+    first, last = span(scene.ends, duplex.pair_count)
+    length_A = 10 * float(duplex.heights_nm[last] - duplex.heights_nm[first])
+    speeds = [_fitted_speed(one) for one in fitted]
+    plan = make_plan(scene, member, estimates, length_A, 10 * duplex.spacing_nm, speeds)
     if isinstance(scene.excitation, Static):
         matrix = scipy.sparse.load_npz(hessian).toarray()
         write_netcdf(output, relax_under_load(duplex, scene, plan, float(member[1:]), matrix))

@@ -14,6 +14,7 @@ from dnawaves.rod.standing import (
     axial_standing_wave,
     axial_wavenumber,
     bend_standing_wave,
+    fixed_fixed_frequency_GHz,
     shear_standing_wave,
 )
 from dnawaves.scene.models import (
@@ -27,7 +28,7 @@ from dnawaves.scene.models import (
 from dnawaves.scene.pairs import excited_pairs
 from dnawaves.units import A_PER_NM, KJ_PER_MOL_PER_PN_NM
 from dnawaves.waves.estimators import (
-    arrival,
+    arrival_ps,
     damped_sine_fit,
     project_on_shape,
     project_on_start,
@@ -42,7 +43,9 @@ from dnawaves.waves.window import FEWEST_FRAMES, windows
 Array = NDArray[np.float64]
 GHZ_PER_RAD_PER_PS = 1e3 / (2 * np.pi)
 ARRIVAL_PAIRS = 3
-PAPER_RECORDS = 6
+# Velocities that count as a wave where nothing was put in: 1 % of the shipped kicks.
+STILL = {"extension": 1e-3, "twist": 1e-4, "bend": 1e-4, "shear": 1e-3}
+UNITS = {"extension": "Å/ps", "twist": "rad/ps", "bend": "rad/ps", "shear": "Å/ps"}
 # Root of the residual's share: above it, a quarter of the motion's sum of squares is left over.
 POOR_MISFIT = 0.5
 
@@ -51,11 +54,12 @@ def analyse(records: Sequence[Record]) -> list[Estimate]:
     """Return the estimates of one scene from its recorded members."""
     excitation = records[0].scene.excitation
     if isinstance(excitation, Nothing):
-        return [_no_wave(records[0], wave) for wave in AXIAL_WAVES]
+        return [_null(records[0], wave) for wave in STILL]
     if isinstance(excitation, Static):
         return _static(records, excitation)
     if records[0].usable < FEWEST_FRAMES:
         return [_too_short(records[0], excitation.wave)]
+    records = [record for record in records if record.usable >= FEWEST_FRAMES]
     if isinstance(excitation, StandingWave):
         return [_standing(records, excitation)]
     if isinstance(excitation, Periodic):
@@ -87,46 +91,71 @@ def _waveform(records: Sequence[Record], wave: str) -> Estimate:
     fits = [fit(record, frames) for record in records for frames in windows(record.usable)]
     parity = np.arange(first.pairs) % 2 == 0
     fits += [fit(first, first.usable, observed) for observed in (parity, ~parity)]
-    return _from_fits(records, wave, "waveform", [one.rate for one in fits], fits, len(records))
+    return _from_fits(records, wave, "waveform", [one.rate for one in fits], fits)
 
 
 def _arrival(records: Sequence[Record], excitation: Kick) -> Estimate:
+    """Arrival at the far end, beside that of the paper's rod at the same base pair.
+
+    The pick is biased by the width of the kick and by the end, in both alike: the ratio to the
+    paper's is what to read. The headline is the farthest pair at which both have arrived.
+    """
     wave, first = excitation.wave, records[0]
-    speeds = [
-        speed
-        for record in records
-        for speed in _arrival_speeds(
+    measured = [
+        _arrival_times(
             record,
             excitation,
             record.times_ps[: record.usable],
             record.velocity(wave)[: record.usable],
         )
+        for record in records
     ]
     estimate = _blank(first, wave, "arrival")
-    if not speeds:
+    if not measured[0]:
         return replace(estimate, reason="no front has passed the observed pairs in this record")
-    if wave in AXIAL_WAVES:
-        return spread(estimate, speeds, first.paper_speeds_A_per_ps[wave])
-    # A bend or shear front has no single speed: the paper's rod is asked the same question, with
-    # time enough for its slower front.
-    times = np.arange(PAPER_RECORDS * len(first.times_ps)) * first.times_ps[1]
-    paper = _arrival_speeds(first, excitation, times, first.paper_velocity(wave, times))
-    return spread(estimate, speeds, paper[0])
+    distances = _distances(first, excitation)
+    # As many crossings as the simulation's record shows: the pick depends on the record's length.
+    pair, time_ps = next(iter(measured[0].items()))
+    stretch = distances[pair] / time_ps / first.paper_speeds_A_per_ps[wave]
+    frames = int(np.ceil(max(stretch, 1.0) * first.usable))
+    times = np.arange(frames) * first.times_ps[1]
+    paper = _arrival_times(first, excitation, times, first.paper_velocity(wave, times))
+    common = [pair for pair in measured[0] if pair in paper]
+    if not common:
+        return replace(estimate, reason="the paper's rod shows no front to compare with")
+    pair = common[0]
+    speeds = [distances[pair] / measured[0][pair]]
+    speeds += [distances[other] / time for times_of in measured for other, time in times_of.items()]
+    return replace(
+        spread(estimate, speeds, distances[pair] / paper[pair]),
+        arrival_ps=measured[0][pair],
+        paper_arrival_ps=paper[pair],
+    )
 
 
-def _arrival_speeds(
-    record: Record, excitation: Kick, times_ps: Array, velocity: Array
-) -> list[float]:
+def _distances(record: Record, excitation: Kick) -> Array:
     height = record.motion["height"].values
+    distances: Array = height - height[excited_pairs(excitation, record.scene.ends)].mean()
+    return distances
+
+
+def _arrival_times(
+    record: Record, excitation: Kick, times_ps: Array, velocity: Array
+) -> dict[int, float]:
+    """Return arrival times by base pair, the farthest first.
+
+    The pair next to a held end is left out: there the reflection meets the front.
+    """
     excited = excited_pairs(excitation, record.scene.ends)
-    source = height[excited].mean()
-    free = [pair for pair in range(excited[-1] + 1, record.pairs) if pair not in record.held]
-    speeds = []
-    for pair in reversed(free[-ARRIVAL_PAIRS:]):
-        found = arrival(times_ps, velocity[:, pair])
-        if found is not None and found.time_ps > 0:
-            speeds.append(float(height[pair] - source) / found.time_ps)
-    return speeds
+    beside = [pair - 1 for pair in record.held if pair > excited[-1]]
+    free = [
+        pair
+        for pair in range(excited[-1] + 1, record.pairs)
+        if pair not in record.held and pair not in beside
+    ]
+    farthest = free[: -ARRIVAL_PAIRS - 1 : -1]
+    found = {pair: arrival_ps(times_ps, velocity[:, pair]) for pair in farthest}
+    return {pair: time for pair, time in found.items() if time is not None and time > 0}
 
 
 def _standing(records: Sequence[Record], excitation: StandingWave) -> Estimate:
@@ -156,7 +185,7 @@ def _standing(records: Sequence[Record], excitation: StandingWave) -> Estimate:
         paper_frequency = standing(rod, pairs, excitation.mode, "held").frequency_rad_per_ps
         speeds = [fit.rate / wavenumber * A_PER_NM for fit in fits]
         paper_speed = paper_frequency / wavenumber * A_PER_NM
-    estimate = _from_fits(records, wave, "standing wave", speeds, fits, len(records), paper_speed)
+    estimate = _from_fits(records, wave, "standing wave", speeds, fits, paper_speed)
     return replace(
         estimate,
         frequency_GHz=fits[0].rate * GHZ_PER_RAD_PER_PS,
@@ -173,7 +202,7 @@ def _resonance(records: Sequence[Record], excitation: Periodic) -> Estimate:
     projections = [mode_projection(record, wave) for record in records]
 
     def fit(chosen: Sequence[int], part: float) -> Fit:
-        frames = [max(FEWEST_FRAMES, int(part * records[index].usable)) for index in chosen]
+        frames = [int(part * records[index].usable) for index in chosen]
         return resonance_fit(
             [records[i].times_ps[:n] for i, n in zip(chosen, frames, strict=True)],
             [projections[i][:n] for i, n in zip(chosen, frames, strict=True)],
@@ -187,11 +216,11 @@ def _resonance(records: Sequence[Record], excitation: Periodic) -> Estimate:
         float(lattice_speed_from_frequency(one.rate, wavenumber, first.spacing_nm)) for one in fits
     ]
     paper = first.paper_speeds_A_per_ps[wave]
-    estimate = _from_fits(records, wave, "resonance", speeds, fits, 0, paper)
+    estimate = _from_fits(records, wave, "resonance", speeds, fits, paper)
     return replace(
         estimate,
         frequency_GHz=fits[0].rate * GHZ_PER_RAD_PER_PS,
-        paper_frequency_GHz=1e3 * paper / (2 * first.free_length_A),
+        paper_frequency_GHz=fixed_fixed_frequency_GHz(1, paper, first.free_length_A / A_PER_NM),
         wavenumber_rad_per_A=wavenumber / A_PER_NM,
     )
 
@@ -257,7 +286,7 @@ LOCK_REASONS = {
 
 def _static_speed(record: Record, load: float, displacement: object) -> float:
     """Return the speed of the rod whose whole length is displaced so far (Å or rad) by a load."""
-    strain = float(displacement) / record.length_A  # type: ignore[arg-type]
+    strain = float(displacement) / record.free_length_A  # type: ignore[arg-type]
     if record.scene.excitation.wave == "extension":  # type: ignore[union-attr]
         density = float(record.motion["mass"].values.mean()) / (record.spacing_nm * A_PER_NM)
         modulus = load * KJ_PER_MOL_PER_PN_NM * A_PER_NM / strain
@@ -267,21 +296,21 @@ def _static_speed(record: Record, load: float, displacement: object) -> float:
     return float(np.sqrt(modulus / density))
 
 
-def _no_wave(record: Record, wave: str) -> Estimate:
+def _null(record: Record, wave: str) -> Estimate:
     largest = float(np.abs(record.velocity(wave)).max())
-    unit = "Å/ps" if wave == "extension" else "rad/ps"
-    return replace(
-        _blank(record, wave),
-        reason=f"no wave: nothing was put in; the residual motion is at most {largest:.2g} {unit}",
-    )
+    moved = f"the residual motion is at most {largest:.2g} {UNITS[wave]}"
+    still = largest < STILL[wave]
+    reason = f"no wave: {moved}" if still else f"moves by itself: {moved}"
+    return replace(_blank(record, wave), reason=f"{reason}; a wave would be {STILL[wave]:g}")
 
 
 def _too_short(record: Record, wave: str) -> Estimate:
     return replace(
         _blank(record, wave),
         window_ps=float(record.times_ps[max(record.usable - 1, 0)]),
-        reason=f"only {record.usable} frames before the difference of the two signs holds more "
-        f"energy than was put in; at least {FEWEST_FRAMES} are needed",
+        reason=f"only {record.usable} usable frames of {len(record.times_ps)}, before the record "
+        "ends or the difference of the two signs holds more energy than was put in; at least "
+        f"{FEWEST_FRAMES} are needed",
     )
 
 
@@ -291,7 +320,8 @@ def _blank(record: Record, wave: str, estimator: str = "none") -> Estimate:
         wave,
         estimator,
         record_ps=float(record.times_ps[-1]),
-        paper_A_per_ps=record.paper_speeds_A_per_ps[wave],
+        # A bend or shear wave has no single speed that could stand here.
+        paper_A_per_ps=record.paper_speeds_A_per_ps[wave] if wave in AXIAL_WAVES else None,
     )
 
 
@@ -318,18 +348,15 @@ def _from_fits(
     estimator: str,
     speeds: list[float],
     fits: list[Fit],
-    members: int,
     paper: float | None = None,
 ) -> Estimate:
+    """Return the estimate of the first fit with the spread of all.
+
+    The fits of a kick scene come member by member, each member's longest window first.
+    """
     first = records[0]
-    change = None
-    if members > 1:
-        # The members' longest windows stand first in each member's share of the fits.
-        second = len(windows(first.usable))
-        change = abs(speeds[second] / speeds[0] - 1)
-    usable = min(record.usable for record in records)
     reasons = []
-    if usable < len(first.times_ps):
+    if any(record.usable < len(record.times_ps) for record in records):
         reasons.append("the fit ends where the difference holds more energy than was put in")
     if fits[0].misfit > POOR_MISFIT:
         reasons.append("poor fit: the model leaves over a quarter of the motion unexplained")
@@ -340,11 +367,23 @@ def _from_fits(
             estimator,
             misfit=fits[0].misfit,
             friction_per_ps=fits[0].friction_per_ps,
-            window_ps=float(first.times_ps[usable - 1]),
+            window_ps=float(first.times_ps[first.usable - 1]),
             record_ps=float(first.times_ps[-1]),
-            half_kick_change=change,
+            half_kick_change=_half_kick_change(records, speeds),
             reason="; ".join(reasons),
         ),
         speeds,
         paper if paper is not None else first.paper_speeds_A_per_ps[wave],
     )
+
+
+def _half_kick_change(records: Sequence[Record], speeds: list[float]) -> float | None:
+    """Return the relative change of the speed from the first member to one of half its size."""
+    if not isinstance(records[0].scene.excitation, Kick | StandingWave):
+        return None
+    start = 0
+    for record in records:
+        if float(record.member[1:]) == 0.5 * float(records[0].member[1:]):
+            return abs(speeds[start] / speeds[0] - 1)
+        start += len(windows(record.usable))
+    return None

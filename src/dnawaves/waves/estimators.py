@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,19 +13,11 @@ from dnawaves.waves.fit import Fit, fit_rate
 
 Array = NDArray[np.float64]
 
-# The fraction of the first peak at which a delta kick's front arrives with the least bias: on the
-# lattice within 0.3 % from 12 base pairs on.
+# The fraction of the first peak at which the front of a kick of one base pair on an endless lattice
+# arrives with the least bias, within 0.3 % from 12 base pairs on. A wider kick and an end bias it.
 ARRIVAL_FRACTION = 0.663
 # Fits start from all speeds that a wave in a molecule might have, in Å/ps.
 STARTING_SPEEDS_A_PER_PS = np.geomspace(2.0, 50.0, 8)
-
-
-@dataclass(frozen=True)
-class Arrival:
-    """First arrival of a front at one base pair: the time of the 66.3 % pick and of the peak."""
-
-    time_ps: float
-    peak_ps: float
 
 
 def waveform_fit(
@@ -83,12 +74,12 @@ def resonance_fit(
     return fit_rate(model, np.concatenate(projections), _starting_frequencies(longest))
 
 
-def arrival(times_ps: Array, velocity: Array) -> Arrival | None:
+def arrival_ps(times_ps: Array, velocity: Array) -> float | None:
     """Return when a front arrives, from the velocity (time,) of one base pair.
 
-    The first peak is the first local maximum, in the sign of the largest motion, that is at least
-    half as large; the pick interpolates between frames. None where nothing has peaked yet, or where
-    the base pair was already moving.
+    When it reaches 66.3 % of its first peak, interpolated between frames. The first peak is the
+    first local maximum, in the sign of the largest motion, that is at least half as large. None
+    where nothing has peaked yet, or where the base pair was already moving.
     """
     signal = velocity * np.sign(velocity[np.argmax(np.abs(velocity))])
     inner = (signal[1:-1] >= signal[:-2]) & (signal[1:-1] > signal[2:])
@@ -102,8 +93,7 @@ def arrival(times_ps: Array, velocity: Array) -> Arrival | None:
         return None
     before = int(below[-1])
     rise = (threshold - signal[before]) / (signal[before + 1] - signal[before])
-    step = times_ps[before + 1] - times_ps[before]
-    return Arrival(float(times_ps[before] + rise * step), float(times_ps[peak]))
+    return float(times_ps[before] + rise * (times_ps[before + 1] - times_ps[before]))
 
 
 def project_on_start(*weighted: tuple[float, Array]) -> Array:

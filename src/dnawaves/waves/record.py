@@ -13,7 +13,7 @@ from dnawaves.motion.fields import wave_fields
 from dnawaves.rod.chain import PlaneChain, ScalarChain
 from dnawaves.rod.rod import Rod, short_wave_speeds_A_per_ps
 from dnawaves.scene.models import SceneSpec
-from dnawaves.scene.pairs import held_pairs
+from dnawaves.scene.pairs import held_pairs, span
 from dnawaves.units import A_PER_NM
 from dnawaves.waves.window import usable_frames
 
@@ -72,10 +72,8 @@ class Record:
 
     @property
     def span(self) -> tuple[int, int]:
-        """First and last base pair that a wave can reach: the innermost held ones, or the ends."""
-        first = self.scene.ends.pairs - 1 if self.scene.ends.first == "held" else 0
-        outer = self.scene.ends.pairs - 1 if self.scene.ends.last == "held" else 0
-        return first, self.pairs - 1 - outer
+        """First and last base pair that a wave can reach."""
+        return span(self.scene.ends, self.pairs)
 
     @property
     def free_length_A(self) -> float:

@@ -57,7 +57,10 @@ def figure_data(records: Sequence[Record]) -> xr.Dataset:
     first = records[0]
     excitation = first.scene.excitation
     if isinstance(excitation, Periodic):
-        peaks = [np.abs(mode_projection(record, excitation.wave)).max() for record in records]
+        peaks = [
+            np.abs(mode_projection(record, excitation.wave)[: record.usable]).max(initial=0.0)
+            for record in records
+        ]
         first = records[int(np.argmax(peaks))]
     dataset = first.fields.copy()
     dataset.attrs = {
@@ -68,10 +71,13 @@ def figure_data(records: Sequence[Record]) -> xr.Dataset:
     }
     if isinstance(excitation, Static):
         return dataset
+    start, stop = first.span
+    held = [end for end, pair in ((0, start), (-1, stop)) if pair in first.held]
     for wave in WAVE_COMPONENTS:
-        if np.any(first.velocity(wave)) and first.usable > 1:
+        velocity = first.velocity(wave)[: first.usable, start : stop + 1]
+        if np.any(velocity) and first.usable > 1:
             power = frequency_wavenumber(
-                first.times_ps, first.velocity(wave), first.spacing_nm, first.held
+                first.times_ps[: first.usable], velocity, first.spacing_nm, tuple(held)
             )
             dataset[f"{wave}_power"] = power
             dataset.attrs["resolution_GHz"] = power.attrs["resolution_GHz"]

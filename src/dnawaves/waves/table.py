@@ -40,6 +40,8 @@ class Estimate:
     window_ps: float | None = None
     record_ps: float | None = None
     half_kick_change: float | None = None
+    arrival_ps: float | None = None
+    paper_arrival_ps: float | None = None
     reason: str = ""
     system: str = ""
 
