@@ -12,10 +12,10 @@ from MDAnalysis.coordinates.memory import MemoryReader
 from scipy.spatial.transform import Rotation
 
 from dnawaves.errors import InputError
+from dnawaves.frames.parameters import PAIR_PARAMETERS, STEP_PARAMETERS
 from dnawaves.helical.analysis import HelicalParameters
 from dnawaves.helical.dataset import NO_FRAME, OPPOSED, helical_dataset
 from dnawaves.helical.pairs import BasePair, find_pairs
-from dnawaves.helical.parameters import PAIR_PARAMETERS, STEP_PARAMETERS
 
 Maker = Callable[[str], MDAnalysis.Universe]
 SEQUENCE = "CGATTAAGCG"

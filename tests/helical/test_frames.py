@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from dnawaves.frames.fit import fit_frames
+from dnawaves.frames.standard import standard_ring
 from dnawaves.helical.bases import Base
-from dnawaves.helical.frames import base_frames, fit_frames
-from dnawaves.helical.standard import standard_ring
+from dnawaves.helical.frames import base_frames
 
 LETTERS = "ACGTU"
 RNG = np.random.default_rng(20)

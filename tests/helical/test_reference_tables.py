@@ -11,8 +11,8 @@ import pytest
 import xarray as xr
 from scipy.spatial.transform import Rotation
 
+from dnawaves.frames.parameters import PAIR_PARAMETERS, STEP_PARAMETERS
 from dnawaves.helical.analysis import HelicalParameters
-from dnawaves.helical.parameters import PAIR_PARAMETERS, STEP_PARAMETERS
 
 pytestmark = [
     pytest.mark.filterwarnings("ignore::UserWarning:MDAnalysis"),

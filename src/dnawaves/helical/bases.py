@@ -9,7 +9,7 @@ from MDAnalysis.core.groups import AtomGroup, Residue
 from numpy.typing import NDArray
 
 from dnawaves.errors import InputError
-from dnawaves.helical.standard import standard_ring
+from dnawaves.frames.standard import standard_ring
 
 _PYRIMIDINE = frozenset(standard_ring("T"))
 _PURINE_ONLY = frozenset(standard_ring("A")) - _PYRIMIDINE

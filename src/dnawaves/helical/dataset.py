@@ -11,17 +11,18 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from dnawaves.errors import InputError
-from dnawaves.helical.frames import Frames, base_frames
-from dnawaves.helical.pairs import BasePair
-from dnawaves.helical.parameters import (
+from dnawaves.frames.fit import Frames
+from dnawaves.frames.parameters import (
     PAIR_PARAMETERS,
     STEP_PARAMETERS,
     RigidBodyParameters,
     pair_parameters,
     step_parameters,
 )
-from dnawaves.helical.standard import standard_ring
-from dnawaves.helical.vectors import Array
+from dnawaves.frames.standard import standard_ring
+from dnawaves.frames.vectors import Array
+from dnawaves.helical.frames import base_frames
+from dnawaves.helical.pairs import BasePair
 
 # Frames of time worked on together: their arrays stay in the processor's cache.
 _CHUNK = 200

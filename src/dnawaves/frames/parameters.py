@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dnawaves.helical.frames import Frames
-from dnawaves.helical.vectors import Array, cross, dot, norm
+from dnawaves.frames.fit import Frames
+from dnawaves.frames.vectors import Array, cross, dot, norm
 
 PAIR_PARAMETERS = ("shear", "stretch", "stagger", "buckle", "propeller", "opening")
 STEP_PARAMETERS = ("shift", "slide", "rise", "tilt", "roll", "twist")

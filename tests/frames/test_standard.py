@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from dnawaves.helical.standard import standard_ring
+from dnawaves.frames.standard import standard_ring
 
 
 @pytest.mark.parametrize(("letter", "atoms"), [("A", 9), ("G", 9), ("C", 6), ("T", 6), ("U", 6)])

@@ -11,7 +11,7 @@ from importlib.resources import files
 
 import numpy as np
 
-from dnawaves.helical.vectors import Array
+from dnawaves.frames.vectors import Array
 
 
 @cache
@@ -20,7 +20,7 @@ def standard_ring(letter: str) -> dict[str, Array]:
 
     Nine atoms for a purine, six for a pyrimidine: those of the least-squares fit.
     """
-    table = files("dnawaves.helical").joinpath("data/standard_base_frames.csv")
+    table = files("dnawaves.frames").joinpath("data/standard_base_frames.csv")
     lines = table.read_text(encoding="utf-8").splitlines()
     rows = csv.DictReader(line for line in lines if not line.startswith("#"))
     return {

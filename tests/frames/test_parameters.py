@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from dnawaves.helical.frames import Frames
-from dnawaves.helical.parameters import (
+from dnawaves.frames.fit import Frames
+from dnawaves.frames.parameters import (
     RigidBodyParameters,
     pair_parameters,
     rigid_body_parameters,

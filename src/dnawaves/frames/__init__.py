@@ -1,0 +1,1 @@
+"""Rigid frames of bases and base pairs: the standard frame, and parameters between frames."""
