@@ -7,9 +7,12 @@ Constants: CODATA 2018.
 
 from __future__ import annotations
 
+import math
+
 KG_PER_DA = 1.66053906660e-27
 BOLTZMANN_KJ_PER_MOL_K = 8.31446261815324e-3
 A_PER_NM = 10.0
+GHZ_PER_RAD_PER_PS = 1e3 / (2 * math.pi)
 
 # One kJ/mol/nm = 1 Da nm/ps^2, in piconewton.
 PN_PER_KJ_PER_MOL_NM = KG_PER_DA * 1e-9 / 1e-24 * 1e12

@@ -13,11 +13,10 @@ from numpy.typing import NDArray
 from dnawaves.report.style import INK, PAPER_LINE, WAVE_COLOURS, blank_figure
 from dnawaves.rod.dispersion import bend_shear_branches, lattice_frequency
 from dnawaves.rod.rod import Rod, short_wave_speeds_A_per_ps
-from dnawaves.units import A_PER_NM
+from dnawaves.units import A_PER_NM, GHZ_PER_RAD_PER_PS
 from dnawaves.waves.record import AXIAL_WAVES
 
 Array = NDArray[np.float64]
-GHZ_PER_RAD_PER_PS = 1e3 / (2 * np.pi)
 MARKERS = {"standing wave": "circle", "resonance": "diamond-open"}
 # Beyond this multiple of the largest measured wavenumber there is only theory to see.
 ROOM = 1.5

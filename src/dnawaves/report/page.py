@@ -13,7 +13,6 @@ from plotly.offline import get_plotlyjs
 
 from dnawaves.report.costs import NOT_RECORDED, costs_figure, costs_table, jobs_table
 from dnawaves.report.dispersion import dispersion_figure, standing_points
-from dnawaves.report.errata import errata
 from dnawaves.report.gather import Results
 from dnawaves.report.legend import legend
 from dnawaves.report.numbers import BLANK, counted, digits
@@ -22,6 +21,7 @@ from dnawaves.report.speeds import speeds_figure
 from dnawaves.report.structure import B_FORM, STEP_PARAMETERS, step_profile, structure_table
 from dnawaves.report.style import Illustration
 from dnawaves.report.tables import VERDICT_HEADER, verdicts
+from dnawaves.report.theory import errata_table
 from dnawaves.report.words import headlines
 
 TITLE = "Does DNA carry waves as the elastic rod says?"
@@ -36,7 +36,6 @@ def render(results: Results) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    first = next(iter(results.scenes.values()))
     numbers = count(1)
     return environment.get_template("report.html.j2").render(
         title=TITLE,
@@ -55,7 +54,7 @@ def render(results: Results) -> str:
         dispersion=_dispersion(results),
         structures=structure_table(list(results.systems.values())),
         profiles={name: _profiles(system.structure) for name, system in results.systems.items()},
-        errata=errata(first.pairs, first.spacing_A),
+        errata=errata_table(),
         costs=_costs(results),
         versions=_versions(results),
         configuration=_configuration(results),

@@ -26,7 +26,7 @@ from dnawaves.scene.models import (
     Static,
 )
 from dnawaves.scene.pairs import excited_pairs
-from dnawaves.units import A_PER_NM, KJ_PER_MOL_PER_PN_NM
+from dnawaves.units import A_PER_NM, GHZ_PER_RAD_PER_PS, KJ_PER_MOL_PER_PN_NM
 from dnawaves.waves.estimators import (
     arrival_ps,
     damped_sine_fit,
@@ -41,7 +41,6 @@ from dnawaves.waves.table import Estimate, spread
 from dnawaves.waves.window import FEWEST_FRAMES, windows
 
 Array = NDArray[np.float64]
-GHZ_PER_RAD_PER_PS = 1e3 / (2 * np.pi)
 ARRIVAL_PAIRS = 3
 # Velocities that count as a wave where nothing was put in: 1 % of the shipped kicks.
 STILL = {"extension": 1e-3, "twist": 1e-4, "bend": 1e-4, "shear": 1e-3}
