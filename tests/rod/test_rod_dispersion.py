@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import eigvals
+from scipy.optimize import brentq
 
 from dnawaves.errors import InputError
 from dnawaves.rod.dispersion import (
@@ -19,6 +20,7 @@ from dnawaves.rod.dispersion import (
     lattice_frequency,
     lattice_speed_from_frequency,
     strain_operator,
+    transverse_constants,
 )
 from dnawaves.rod.rod import BEND_1, BEND_2, Rod, short_wave_speeds_A_per_ps
 
@@ -124,12 +126,38 @@ def roots_of_the_twisted_rod() -> tuple[np.ndarray, np.ndarray]:
 
 def test_eq46_holds_when_corrected_and_fails_as_printed() -> None:
     k, omega = roots_of_the_twisted_rod()
-    # round-off, grown by the poles of the expanded form near some roots
-    assert np.max(eq46_expanded_residual(TWISTED, k, omega)) < 3e-12
+    # the reference's 3e-13: round-off, grown by the poles of the expanded form near some roots
+    assert np.max(eq46_expanded_residual(TWISTED, k, omega)) < 3e-13
     printed = eq46_expanded_residual(TWISTED, k, omega, as_printed=True)
-    # a relation that held would give 1e-12 here
+    # a relation that held would give 1e-12 here; 0.99 is the reference's upper end
     assert np.median(printed) > 0.1
-    assert np.max(printed) > 0.9
+    assert np.max(printed) > 0.99
+
+
+def test_how_far_the_printed_eq46_is_off_has_no_lower_end() -> None:
+    # The reference's 0.06 belongs to a grid. The misprint drops out where k or omega is zero and
+    # in very short waves, and on one branch the residual passes through zero at 0.651 rad/A.
+    at_zero = brentq(lambda k: signed_misprint(k, -TWIST, 1), 6.0, 7.0, xtol=1e-12)
+    assert at_zero == pytest.approx(6.51, abs=0.005)
+    upper = bend_shear_branches(PAPER, at_zero - TWIST, lattice=False)[1]
+    assert eq46_expanded_residual(TWISTED, at_zero, upper, as_printed=True) < 1e-9
+    slow = bend_shear_branches(PAPER, 1.8 - TWIST, lattice=False)[0]
+    # 2.5e-4 at 0.18 rad/A, near the wave of one pitch, whose frequency is zero
+    assert eq46_expanded_residual(TWISTED, 1.8, slow, as_printed=True) == pytest.approx(
+        2.5e-4, rel=0.02
+    )
+
+
+def signed_misprint(k: float, shift: float, branch: int) -> float:
+    """Return left minus right of the printed eq. 46, P^2 - Q^2, at a root of the true one."""
+    omega = float(bend_shear_branches(PAPER, k + shift, lattice=False)[branch])
+    constants = transverse_constants(TWISTED)
+    w2, misprint = omega**2, (TWIST / 10) ** 4 * 100
+    detuning = constants.inertia * w2 - constants.bend * (k**2 + TWIST**2)
+    coupling = constants.density * constants.shear * constants.stretch**2 * w2
+    coupling /= detuning**2 - 4 * (k * constants.bend) ** 2 * misprint
+    diagonal = constants.density * w2 - constants.shear * (k**2 + TWIST**2) - coupling * detuning
+    return diagonal**2 - (2 * k * TWIST * (constants.shear + coupling * constants.bend)) ** 2
 
 
 def test_factorised_eq46_vanishes_at_the_roots_and_only_there() -> None:
@@ -145,8 +173,9 @@ def test_factorised_eq46_vanishes_at_the_roots_and_only_there() -> None:
 def test_closed_forms_refuse_a_rod_they_do_not_describe() -> None:
     stiffness = PAPER.stiffness.copy()
     stiffness[BEND_1, BEND_1] *= 1.1
-    with pytest.raises(InputError, match="averaged_about_axis"):
-        bend_shear_branches(replace(PAPER, stiffness=stiffness), 1.0, lattice=False)
+    for change in ({"stiffness": stiffness}, {"centre_nm": np.array([0.1, 0.0, 0.0])}):
+        with pytest.raises(InputError, match="averaged_about_axis"):
+            bend_shear_branches(replace(PAPER, **change), 1.0, lattice=False)
 
 
 @settings(max_examples=40, deadline=None)

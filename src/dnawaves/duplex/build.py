@@ -35,9 +35,15 @@ def build_duplex(
     stand as in `fibre_duplex`; the hydrogens relax around them. The same call gives the same
     numbers. Raises `InputError` for a sequence that `check_sequence` refuses.
     """
-    duplex = fibre_duplex(sequence)
+    return with_hydrogens(fibre_duplex(sequence), force_field)
+
+
+def with_hydrogens(
+    duplex: FibreDuplex, force_field: app.ForceField
+) -> tuple[app.Topology, NDArray[np.float64]]:
+    """Return topology and positions (atoms, 3) in nm, hydrogens added as in `build_duplex`."""
     modeller = app.Modeller(heavy_topology(duplex), duplex.positions_nm * unit.nanometer)
-    with _seeded_random(_HYDROGEN_SEED):
+    with seeded_random(_HYDROGEN_SEED):
         modeller.addHydrogens(force_field, platform=openmm.Platform.getPlatformByName("Reference"))
     positions = np.array(modeller.positions.value_in_unit(unit.nanometer), dtype=np.float64)
     return modeller.topology, positions
@@ -91,7 +97,7 @@ def watson_crick_bonds(topology: app.Topology) -> list[list[tuple[int, int]]]:
 
 
 @contextmanager
-def _seeded_random(seed: int) -> Iterator[None]:
+def seeded_random(seed: int) -> Iterator[None]:
     """Fix Python's random numbers, from which Modeller starts hydrogens, and restore them."""
     state = random.getstate()
     random.seed(seed)

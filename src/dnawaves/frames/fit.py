@@ -28,46 +28,52 @@ def fit_frames(standard_A: Array, positions_A: Array) -> Frames:
     """
     mean = standard_A.mean(axis=0)
     correlation = np.tensordot(standard_A - mean, positions_A, axes=([0], [1]))
-    axes = _planar_polar_factor(correlation[0], correlation[1])
+    axes = planar_axes(correlation[0], correlation[1])
     if np.ptp(standard_A[:, 2]) > 0:
-        axes = _newton_step(axes, correlation)
+        axes = newton_step(axes, correlation)
     origin = positions_A.mean(axis=1) - np.tensordot(mean, axes, axes=1)
     return Frames(origin, axes)
 
 
-def _planar_polar_factor(m1: Array, m2: Array) -> Array:
+def planar_axes(m1: Array, m2: Array) -> Array:
     """Return the axes (3, 3, ...) whose x and y are the orthonormal vectors closest to m1, m2.
 
     M (MᵀM)^(-1/2) with the square root of a 2x2 matrix G, (G + s)/t, s² = det G, t² = tr G + 2s.
     """
     g11, g22, g12 = dot(m1, m1), dot(m2, m2), dot(m1, m2)
-    s = norm(cross(m1, m2))
+    normal = cross(m1, m2)
+    s = norm(normal)
     trace = g11 + g22
     collinear = s <= 1e-12 * trace
     scale = 1 / np.where(collinear, np.nan, s * np.sqrt(trace + 2 * s))
-    x = scale * ((g22 + s) * m1 - g12 * m2)
-    y = scale * ((g11 + s) * m2 - g12 * m1)
-    return np.stack([x, y, cross(x, y)])
+    axes = np.empty((3, *m1.shape))
+    np.subtract(((g22 + s) * scale) * m1, (g12 * scale) * m2, out=axes[0])
+    np.subtract(((g11 + s) * scale) * m2, (g12 * scale) * m1, out=axes[1])
+    np.divide(normal, np.where(collinear, np.nan, s), out=axes[2])
+    return axes
 
 
-def _newton_step(axes: Array, correlation: Array) -> Array:
-    """Turn axes by one Newton step of the full least-squares problem.
+def newton_step(axes: Array, correlation: Array) -> Array:
+    """Turn axes of a planar fit by one Newton step of the full least-squares problem.
 
     Maximises tr(B) over rotations, B_ij = axis_i . m_j: the step w solves (tr B - B_sym) w = a,
-    a the axial vector of B.
+    a the axial vector of B. After a planar fit B_12 = B_21 and B_31 = B_32 = 0; B_13 and B_23 are
+    small, and their square is neglected.
     """
-    b = np.stack([np.stack([dot(axis, m) for m in correlation]) for axis in axes])
-    axial = np.stack([b[2, 1] - b[1, 2], b[0, 2] - b[2, 0], b[1, 0] - b[0, 1]])
-    hessian = -(b + b.swapaxes(0, 1)) / 2
-    for i in range(3):
-        hessian[i, i] += b[0, 0] + b[1, 1] + b[2, 2]
-    h1, h2, h3 = hessian
-    cofactors = np.stack([cross(h2, h3), cross(h3, h1), cross(h1, h2)])
-    step = np.stack([dot(row, axial) for row in cofactors]) / dot(h1, cofactors[0])
-    half = (step[0] * axes[0] + step[1] * axes[1] + step[2] * axes[2]) / 2
+    m1, m2, m3 = correlation
+    b11, b22, b12 = dot(axes[0], m1), dot(axes[1], m2), dot(axes[0], m2)
+    b13, b23, b33 = (dot(axis, m3) for axis in axes)
+    h11, h22 = b22 + b33, b11 + b33
+    determinant = h11 * h22 - b12**2
+    w1 = (b12 * b13 - h22 * b23) / determinant
+    w2 = (h11 * b13 - b12 * b23) / determinant
+    w3 = (b13 * w1 + b23 * w2) / (2 * (b11 + b22))
+    half = (w1 * axes[0] + w2 * axes[1] + w3 * axes[2]) / 2
     # Cayley's form keeps the axes orthonormal however large the step.
     factor = 2 / (1 + dot(half, half))
-    turns = [cross(half, axis) for axis in axes]
-    return np.stack(
-        [axis + factor * (turn + cross(half, turn)) for axis, turn in zip(axes, turns, strict=True)]
-    )
+    turned = np.empty_like(axes)
+    for i in range(2):
+        turn = cross(half, axes[i])
+        turned[i] = axes[i] + factor * (turn + cross(half, turn))
+    turned[2] = cross(turned[0], turned[1])
+    return turned

@@ -10,18 +10,20 @@ Array = NDArray[np.float64]
 
 def dot(a: Array, b: Array) -> Array:
     """Return the scalar product over the first axis."""
-    return np.asarray(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])
+    total = a[0] * b[0]
+    total += a[1] * b[1]
+    total += a[2] * b[2]
+    return np.asarray(total)
 
 
 def cross(a: Array, b: Array) -> Array:
     """Return the vector product over the first axis."""
-    return np.stack(
-        [
-            a[1] * b[2] - a[2] * b[1],
-            a[2] * b[0] - a[0] * b[2],
-            a[0] * b[1] - a[1] * b[0],
-        ]
-    )
+    product = np.empty((3, *np.broadcast_shapes(a.shape[1:], b.shape[1:])))
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        # Into place: stacking three new arrays would copy each of them once more.
+        np.multiply(a[j], b[k], out=product[i, ...])
+        product[i] -= a[k] * b[j]
+    return product
 
 
 def norm(a: Array) -> Array:

@@ -1,35 +1,48 @@
-"""Finite chains of base pairs: the full six-coordinate rod, one bending plane, one coordinate."""
+"""Finite chains of base pairs: all six coordinates, one bending plane, one coordinate."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
-import scipy.linalg
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from dnawaves.errors import InputError
 from dnawaves.rod.modal import ModalChain, free_pairs
-from dnawaves.rod.rod import BEND_2, SHEAR_1, FloatArray, Rod
+from dnawaves.rod.rod import BEND_2, SHEAR_1, Rod
+from dnawaves.rod.sequence import StepSequence
 from dnawaves.units import A_PER_NM
 
+PLANE = [SHEAR_1, BEND_2]
 
-class FiniteChain(ModalChain):
-    """Lattice of rigid base pairs with the rod's constants; fields (pairs, 6).
 
-    The strain of link j is (E x_{j+1} - E^-1 x_j)/a with E = exp(aA/2) (mid-frame strains), its
-    energy a/2 strain.K.strain. Coordinates are those of each base pair's own frame: nm and rad,
-    velocities nm/ps and rad/ps, forces kJ/mol/nm and kJ/mol.
+class SequenceChain(ModalChain):
+    """Chain of rigid base pairs whose steps and masses may differ; fields (pairs, 6).
+
+    Coordinates are those of each base pair's own frame: nm and rad, velocities nm/ps and rad/ps,
+    forces kJ/mol/nm and kJ/mol.
 
     Parameters
     ----------
-    rod : Rod
-    pairs : int
-        Number of base pairs.
+    sequence : StepSequence
     held : sequence of int
         Base pairs (0 is the first, -1 the last) all of whose coordinates stay zero.
-    mass_blocks : (6, 6) or (pairs, 6, 6), optional
-        Mass of each base pair, Da, Da nm, Da nm^2; the rod's mass times its spacing by default.
+    pinned : sequence of int
+        Base pairs whose position stays, while they rotate freely.
+    """
+
+    def __init__(
+        self, sequence: StepSequence, held: Sequence[int] = (), pinned: Sequence[int] = ()
+    ) -> None:
+        root, stiffness, mass = sequence.matrices()
+        super().__init__(stiffness, mass, _free_coordinates(sequence.pairs, held, pinned), root)
+
+
+class FiniteChain(SequenceChain):
+    """Uniform chain of rigid base pairs with the constants of a rod; see `SequenceChain`.
+
+    `mass_blocks` (6, 6) or (pairs, 6, 6), Da, Da nm, Da nm^2, are the mass of each base pair; by
+    default the rod's mass times its spacing.
     """
 
     def __init__(
@@ -38,10 +51,9 @@ class FiniteChain(ModalChain):
         pairs: int,
         held: Sequence[int] = (),
         mass_blocks: ArrayLike | None = None,
+        pinned: Sequence[int] = (),
     ) -> None:
-        free = np.repeat(free_pairs(pairs, held)[:, np.newaxis], 6, axis=1)
-        mass = _mass_matrix(rod, pairs, mass_blocks)
-        super().__init__(_stiffness_matrix(rod, pairs), mass, free)
+        super().__init__(StepSequence.uniform(rod, pairs, mass_blocks), held, pinned)
 
 
 class PlaneChain(ModalChain):
@@ -50,19 +62,20 @@ class PlaneChain(ModalChain):
     Arguments as `FiniteChain`. Raises InputError if the plane is coupled to other motion.
     """
 
-    def __init__(self, rod: Rod, pairs: int, held: Sequence[int] = ()) -> None:
-        in_plane = np.tile(np.isin(np.arange(6), [SHEAR_1, BEND_2]), pairs)
-        stiffness = _stiffness_matrix(rod, pairs)
-        mass = _mass_matrix(rod, pairs, None)
+    def __init__(
+        self, rod: Rod, pairs: int, held: Sequence[int] = (), pinned: Sequence[int] = ()
+    ) -> None:
+        in_plane = np.tile(np.isin(np.arange(6), PLANE), pairs)
+        root, stiffness, mass = StepSequence.uniform(rod, pairs).matrices()
         for matrix in (stiffness, mass):
             if np.any(np.abs(matrix[np.ix_(in_plane, ~in_plane)]) > 1e-9 * np.abs(matrix).max()):
                 raise InputError(
                     "bending in this plane is coupled to other motion; "
                     "see Rod.averaged_about_axis for the straight, untwisted rod"
                 )
-        free = np.repeat(free_pairs(pairs, held)[:, np.newaxis], 2, axis=1)
         plane = np.ix_(in_plane, in_plane)
-        super().__init__(stiffness[plane], mass[plane], free)
+        free = _free_coordinates(pairs, held, pinned)[:, PLANE]
+        super().__init__(stiffness[plane], mass[plane], free, root[:, in_plane])
 
 
 class ScalarChain(ModalChain):
@@ -88,8 +101,8 @@ class ScalarChain(ModalChain):
         links = np.broadcast_to(np.asarray(link_stiffness, dtype=float), (len(mass) - 1,))
         if not np.all(links > 0):
             raise InputError("the link stiffness of a scalar chain must be positive")
-        strain = np.diff(np.eye(len(mass)), axis=0)
-        super().__init__(strain.T @ (links[:, np.newaxis] * strain), np.diag(mass), free)
+        root = np.sqrt(links)[:, np.newaxis] * np.diff(np.eye(len(mass)), axis=0)
+        super().__init__(root.T @ root, np.diag(mass), free, root)
 
     @classmethod
     def from_speed(
@@ -113,20 +126,8 @@ class ScalarChain(ModalChain):
         return cls(mass, mass.mean() * (speed_A_per_ps / A_PER_NM / spacing_nm) ** 2, held)
 
 
-def _stiffness_matrix(rod: Rod, pairs: int) -> FloatArray:
-    half_step = scipy.linalg.expm(rod.spacing_nm * rod.connection / 2)
-    strain = np.hstack([-np.linalg.inv(half_step), half_step]) / rod.spacing_nm
-    link = rod.spacing_nm * strain.T @ rod.stiffness @ strain
-    matrix = np.zeros((6 * pairs, 6 * pairs))
-    for start in range(0, 6 * (pairs - 1), 6):
-        matrix[start : start + 12, start : start + 12] += link
-    return matrix
-
-
-def _mass_matrix(rod: Rod, pairs: int, mass_blocks: ArrayLike | None) -> FloatArray:
-    blocks = rod.spacing_nm * rod.mass if mass_blocks is None else np.asarray(mass_blocks, float)
-    if blocks.shape not in ((6, 6), (pairs, 6, 6)):
-        raise InputError(
-            f"mass_blocks have shape {blocks.shape}; they must be (6, 6) or ({pairs}, 6, 6)"
-        )
-    return scipy.linalg.block_diag(*np.broadcast_to(blocks, (pairs, 6, 6)))
+def _free_coordinates(pairs: int, held: Sequence[int], pinned: Sequence[int]) -> NDArray[np.bool_]:
+    """Return which coordinates (pairs, 6) may move."""
+    free = np.repeat(free_pairs(pairs, held)[:, np.newaxis], 6, axis=1)
+    free[~free_pairs(pairs, pinned), :3] = False
+    return free

@@ -1,100 +1,91 @@
-"""Normal modes of a linear chain, and their response in time to kicks, drives and loads.
-
-One mode obeys q'' + g q' + w^2 q = f(t). All its responses from rest are divided differences of
-the exponential at -s1 t, -s2 t (the roots of s^2 - g s + w^2) and, if driven, i W t. Written so,
-they hold without change for undamped, underdamped, critical, overdamped and zero-frequency modes
-and for a drive at resonance.
-"""
+"""Normal modes of a linear chain, and its response in time to kicks, forces and loads."""
 
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
-from typing import Self
+from collections.abc import Callable, Sequence
+from typing import Self, TypeAlias
 
 import numpy as np
-import scipy.linalg
+import scipy.sparse
 from numpy.typing import ArrayLike, NDArray
 
 from dnawaves.errors import InputError
+from dnawaves.rod.normal_modes import ZERO_MODE, modes_of_stiffness, modes_of_strain
+from dnawaves.rod.oscillator import (
+    FloatArray,
+    Response,
+    gaussian_pulse_response,
+    impulse_response,
+    sampled_force_response,
+    sine_drive_response,
+)
 
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
+__all__ = ["ModalChain", "free_pairs", "impulse_response", "sine_drive_response"]
 
-# relative to the largest squared frequency: below it lies the round-off of the eigensolver
-ZERO_MODE = 1e-12
-# n-th term of the series is below 1/(2 n!) for arguments inside the unit circle
-SERIES_TERMS = 19
-
-
-def impulse_response(
-    times_ps: ArrayLike, frequencies_rad_per_ps: ArrayLike, friction_per_ps: float
-) -> tuple[FloatArray, FloatArray]:
-    """Return q and q' (times, modes) after q(0) = 0, q'(0) = 1, without further force."""
-    t, slow, fast = _times_and_roots(times_ps, frequencies_rad_per_ps, friction_per_ps)
-    position = t * _exp_difference(-slow * t, -fast * t)
-    velocity = np.exp(-fast * t) - slow * position
-    return position.real, velocity.real
-
-
-def sine_drive_response(
-    times_ps: ArrayLike,
-    frequencies_rad_per_ps: ArrayLike,
-    friction_per_ps: float,
-    drive_rad_per_ps: float,
-) -> tuple[FloatArray, FloatArray]:
-    """Return q and q' (times, modes) from rest under the force sin(drive t), transient included."""
-    if not drive_rad_per_ps > 0:
-        raise InputError(f"the drive's frequency is {drive_rad_per_ps} rad/ps; it must be positive")
-    t, slow, fast = _times_and_roots(times_ps, frequencies_rad_per_ps, friction_per_ps)
-    drive = np.asarray(1j * drive_rad_per_ps * t, dtype=np.complex128)
-    position = t**2 * _exp_second_difference(-slow * t, -fast * t, drive)
-    velocity = t * _exp_difference(-fast * t, drive) - slow * position
-    return position.imag, velocity.imag
+Observe: TypeAlias = FloatArray | scipy.sparse.csr_array | None
 
 
 class ModalChain:
     """Linear chain K, M with some coordinates held at zero, solved by its normal modes.
 
-    Fields have the shape (pairs,) or (pairs, coordinates); K and M act on the flattened field.
+    Fields have the shape (pairs,) or (pairs, coordinates); K and M act on the flattened field, of
+    n coordinates. Responses have the shape (times, *field), or (times, observed) for a matrix
+    `observe` (observed, n), which may be sparse: only these combinations are computed. Every
+    friction is the mass times a constant.
 
     Parameters
     ----------
-    stiffness, mass : (n, n)
-        Symmetric; mass positive definite, stiffness positive semi-definite.
+    stiffness : (n, n)
+        Symmetric, positive semi-definite. One copy of it is made, and the shapes are another.
+    mass : (n, n) or (n,)
+        Symmetric and positive definite, or the diagonal of such a matrix.
     free : bool, shape of the field
         False where the coordinate is held.
+    strain_root : (r, n), optional
+        B with B^T B = stiffness. If given, the modes are found from it instead: those of a stiff
+        and soft chain keep their digits (see `normal_modes`). Needs the mass as a matrix.
+    zero_mode : float
+        Squared frequencies below this part of the largest are taken to be zero, without
+        strain_root.
 
     Raises
     ------
     InputError
-        If nothing is free, or the mass is not positive definite.
+        If nothing is free, the mass is not positive definite, or the stiffness is negative.
     """
 
-    def __init__(self, stiffness: FloatArray, mass: FloatArray, free: NDArray[np.bool_]) -> None:
+    def __init__(
+        self,
+        stiffness: FloatArray,
+        mass: FloatArray,
+        free: NDArray[np.bool_],
+        strain_root: FloatArray | None = None,
+        zero_mode: float = ZERO_MODE,
+    ) -> None:
         if not free.any():
             raise InputError("every base pair of the chain is held: nothing can move")
         self.stiffness = stiffness
         self.mass = mass
         self.free = free
-        index = np.flatnonzero(free)
-        try:
-            squared, vectors = scipy.linalg.eigh(
-                stiffness[np.ix_(index, index)], mass[np.ix_(index, index)]
-            )
-        except scipy.linalg.LinAlgError as error:
-            raise InputError("the masses of the chain are not positive definite") from error
-        squared[np.abs(squared) < ZERO_MODE * np.abs(squared).max()] = 0.0
-        if squared[0] < 0:
-            raise InputError("the stiffness of the chain is not positive: it has no stable rest")
-        self.frequencies_rad_per_ps: FloatArray = np.sqrt(squared)
-        self._vectors = np.zeros((len(index), free.size))
-        self._vectors[:, index] = vectors.T
+        index = self._free_index
+        moving_mass = mass[index] if mass.ndim == 1 else mass[np.ix_(index, index)]
+        if strain_root is None:
+            moving = stiffness[np.ix_(index, index)]
+            modes = modes_of_stiffness(moving, moving_mass, zero_mode)
+        else:
+            modes = modes_of_strain(strain_root[:, index], moving_mass)
+        self.frequencies_rad_per_ps: FloatArray = modes[0]
+        self._vectors = modes[1]
+
+    @property
+    def _free_index(self) -> NDArray[np.intp]:
+        return np.flatnonzero(self.free)
 
     @property
     def shapes(self) -> FloatArray:
         """Mass-normalised mode shapes (modes, *field)."""
-        return self._vectors.reshape(-1, *self.free.shape)
+        return self._spread(self._vectors)
 
     def modes(self) -> tuple[FloatArray, FloatArray]:
         """Return the frequencies (modes,), ascending, rad/ps, and the mass-normalised shapes."""
@@ -113,18 +104,24 @@ class ModalChain:
         return other
 
     def kick_response(
-        self, times_ps: ArrayLike, velocities: ArrayLike, friction_per_ps: float = 0.0
-    ) -> tuple[FloatArray, FloatArray]:
-        """Return displacements and velocities (times, *field) after a kick at t = 0.
+        self,
+        times_ps: ArrayLike,
+        velocities: ArrayLike,
+        friction_per_ps: float = 0.0,
+        observe: Observe = None,
+    ) -> Response:
+        """Return displacements and velocities after a kick at t = 0.
 
         Raises InputError if a held base pair is kicked: it cannot take up an impulse.
         """
         kick = self._field("velocities", velocities)
         if np.any(np.abs(kick[~self.free]) > 1e-9 * np.abs(kick).max()):
             raise InputError("the kick acts on a held base pair, which cannot move; kick beside it")
-        amplitudes = self._vectors @ (self.mass @ kick.ravel())
-        response = impulse_response(times_ps, self.frequencies_rad_per_ps, friction_per_ps)
-        return self._superpose(response, amplitudes)
+        flat = kick.ravel()
+        momentum = self.mass * flat if self.mass.ndim == 1 else self.mass @ flat
+        return self._respond(
+            momentum, observe, lambda w: impulse_response(times_ps, w, friction_per_ps)
+        )
 
     def driven_response(
         self,
@@ -132,13 +129,57 @@ class ModalChain:
         force_pattern: ArrayLike,
         frequency_rad_per_ps: float,
         friction_per_ps: float = 0.0,
-    ) -> tuple[FloatArray, FloatArray]:
-        """Return displacements and velocities (times, *field) from rest under pattern sin(w t)."""
-        amplitudes = self._vectors @ self._field("force_pattern", force_pattern).ravel()
-        response = sine_drive_response(
-            times_ps, self.frequencies_rad_per_ps, friction_per_ps, frequency_rad_per_ps
+        ramp_ps: float = 0.0,
+        observe: Observe = None,
+    ) -> Response:
+        """Return displacements and velocities from rest under pattern sin(w t).
+
+        The force rises during the first `ramp_ps` as (1 - cos(pi t/ramp))/2.
+        """
+        return self._respond(
+            self._field("force_pattern", force_pattern).ravel(),
+            observe,
+            lambda w: sine_drive_response(
+                times_ps, w, friction_per_ps, frequency_rad_per_ps, ramp_ps
+            ),
         )
-        return self._superpose(response, amplitudes)
+
+    def pulse_response(
+        self,
+        times_ps: ArrayLike,
+        force_pattern: ArrayLike,
+        centre_ps: float,
+        width_ps: float,
+        friction_per_ps: float = 0.0,
+        observe: Observe = None,
+    ) -> Response:
+        """Return displacements and velocities under pattern exp(-(t - centre)^2/(2 width^2)).
+
+        The chain is at rest long before the pulse; times may lie before, within and after it.
+        """
+        return self._respond(
+            self._field("force_pattern", force_pattern).ravel(),
+            observe,
+            lambda w: gaussian_pulse_response(times_ps, w, friction_per_ps, centre_ps, width_ps),
+        )
+
+    def sampled_response(
+        self,
+        force: ArrayLike,
+        interval_ps: float,
+        force_pattern: ArrayLike,
+        friction_per_ps: float = 0.0,
+        observe: Observe = None,
+    ) -> Response:
+        """Return displacements and velocities under pattern force(t), at the samples' times.
+
+        From rest at the first sample of the force (times,); exact for its cubic spline.
+        """
+        return self._respond(
+            self._field("force_pattern", force_pattern).ravel(),
+            observe,
+            lambda w: sampled_force_response(force, interval_ps, w, friction_per_ps),
+        )
 
     def static_response(self, forces: ArrayLike) -> FloatArray:
         """Return the displacements (*field) at rest under constant forces.
@@ -146,12 +187,12 @@ class ModalChain:
         Raises InputError if the forces push a motion that nothing resists (a free chain with a
         net force or torque).
         """
-        amplitudes = self._vectors @ self._field("forces", forces).ravel()
+        amplitudes = self._vectors @ self._field("forces", forces).ravel()[self._free_index]
         moving = self.frequencies_rad_per_ps > 0
         if np.any(np.abs(amplitudes[~moving]) > 1e-9 * np.abs(amplitudes).max()):
             raise InputError("the forces do not balance and no held base pair resists them")
         relaxed = amplitudes[moving] / self.frequencies_rad_per_ps[moving] ** 2
-        return (relaxed @ self._vectors[moving]).reshape(self.free.shape)
+        return self._spread(relaxed @ self._vectors[moving])[0]
 
     def _field(self, name: str, values: ArrayLike) -> FloatArray:
         field = np.asarray(values, dtype=float)
@@ -159,13 +200,35 @@ class ModalChain:
             raise InputError(f"{name} has shape {field.shape}; the chain's is {self.free.shape}")
         return field
 
-    def _superpose(
-        self, response: tuple[FloatArray, FloatArray], amplitudes: FloatArray
-    ) -> tuple[FloatArray, FloatArray]:
+    def _respond(
+        self, load: FloatArray, observe: Observe, response: Callable[[FloatArray], Response]
+    ) -> Response:
+        """Superpose the modes' responses to a force or momentum (n,) of one course in time."""
+        amplitudes = self._vectors @ load[self._free_index]
+        # modes of another kind of motion are exactly at rest; one is kept for the shape
+        excited = amplitudes != 0
+        excited[0] = True
+        seen, spread = self._vectors[excited], observe is None
+        if observe is not None:
+            if observe.ndim != 2 or observe.shape[1] != self.free.size:
+                raise InputError(
+                    f"observe has shape {observe.shape}; it must be (observed, {self.free.size})"
+                )
+            seen = (observe[:, self._free_index] @ seen.T).T
+        weighted = amplitudes[excited, np.newaxis] * seen
         position, velocity = (
-            (part * amplitudes @ self._vectors).reshape(-1, *self.free.shape) for part in response
+            part @ weighted for part in response(self.frequencies_rad_per_ps[excited])
         )
-        return position, velocity
+        return (self._spread(position), self._spread(velocity)) if spread else (position, velocity)
+
+    def _spread(self, values: FloatArray) -> FloatArray:
+        """Return values of the free coordinates (..., free) as fields (m, *field)."""
+        rows = np.atleast_2d(values)
+        if self.free.all():
+            return rows.reshape(-1, *self.free.shape)
+        fields = np.zeros((len(rows), *self.free.shape))
+        fields[:, self.free] = rows
+        return fields
 
 
 def free_pairs(pairs: int, held: Sequence[int]) -> NDArray[np.bool_]:
@@ -181,62 +244,3 @@ def free_pairs(pairs: int, held: Sequence[int]) -> NDArray[np.bool_]:
     free = np.ones(pairs, dtype=bool)
     free[list(held)] = False
     return free
-
-
-def _times_and_roots(
-    times_ps: ArrayLike, frequencies_rad_per_ps: ArrayLike, friction_per_ps: float
-) -> tuple[FloatArray, ComplexArray, ComplexArray]:
-    """Return times as a column and the two roots s of s^2 - g s + w^2, the slower decay first."""
-    t = np.asarray(times_ps, dtype=float).reshape(-1, 1)
-    if np.any(t < 0):
-        raise InputError("times before the start of the motion are asked for")
-    if friction_per_ps < 0:
-        raise InputError(f"the friction is {friction_per_ps} /ps; it must not be negative")
-    w = np.asarray(frequencies_rad_per_ps, dtype=float).reshape(1, -1)
-    half = friction_per_ps / 2
-    # (half - w)(half + w) keeps the digits near critical damping, where the squares nearly cancel
-    fast = half + np.sqrt(((half - w) * (half + w)).astype(complex))
-    # their product is w^2: half - sqrt(...) would lose the slow root of an overdamped mode
-    slow = np.divide(w.astype(complex) ** 2, fast, out=np.zeros_like(fast), where=fast != 0)
-    return t, slow, fast
-
-
-def _exp_difference(x: ComplexArray, y: ComplexArray) -> ComplexArray:
-    """Return (e^y - e^x)/(y - x), also where x = y."""
-    x, y = np.broadcast_arrays(x, y)
-    # the larger exponential is taken out, so that expm1 never overflows
-    swapped = y.real > x.real
-    largest = np.where(swapped, y, x)
-    z = np.where(swapped, x, y) - largest
-    ratio = np.divide(np.expm1(z), z, out=np.ones_like(z), where=z != 0)
-    return np.exp(largest) * ratio
-
-
-def _exp_second_difference(x: ComplexArray, y: ComplexArray, z: ComplexArray) -> ComplexArray:
-    """Return the divided difference of exp at x, y, z, where |z - y| >= |x|, |y|, |z|."""
-    gap = np.broadcast_to(z - y, np.broadcast_shapes(x.shape, y.shape, z.shape))
-    near = np.abs(gap) < 1.0
-    difference = _exp_difference(x, z) - _exp_difference(x, y)
-    result = np.divide(difference, gap, out=np.zeros_like(difference), where=~near)
-    points = [np.broadcast_to(point, gap.shape)[near] for point in (x, y, z)]
-    result[near] = _exp_second_difference_series(*points)
-    return result
-
-
-def _exp_second_difference_series(
-    x: ComplexArray, y: ComplexArray, z: ComplexArray
-) -> ComplexArray:
-    """Return the same for points inside the unit circle, where the difference would cancel.
-
-    Sum of h_n(x, y, z)/(n + 2)! with the complete homogeneous symmetric polynomials h_n.
-    """
-    one = two = three = np.ones_like(x)
-    factorial = 2.0
-    total = three / factorial
-    for n in range(1, SERIES_TERMS):
-        one = one * x
-        two = one + y * two
-        three = two + z * three
-        factorial *= n + 2
-        total = total + three / factorial
-    return total

@@ -24,6 +24,9 @@ FloatArray = NDArray[np.float64]
 SHEAR_1, SHEAR_2, EXTENSION, BEND_1, BEND_2, TWIST = range(6)
 AXIAL = [EXTENSION, TWIST]
 
+# of the eigenvalues of a 6x6 matrix with a diagonal of ones
+ROUND_OFF = 1e-15
+
 
 def cross_matrix(vector: ArrayLike) -> FloatArray:
     """Return the 3x3 matrix that maps y to vector x y."""
@@ -43,7 +46,7 @@ class Rod:
     ----------
     density_Da_per_nm : float
     inertia_Da_nm : (3, 3)
-        Moment of inertia per length, Da nm^2/nm.
+        Moment of inertia per length about the centre of mass, Da nm^2/nm.
     stiffness : (6, 6)
         Energy per length is half of strain . stiffness . strain. Upper left kJ/mol/nm,
         off-diagonal blocks kJ/mol, lower right kJ nm/mol.
@@ -53,6 +56,8 @@ class Rod:
         Intrinsic rotation per arc length.
     spacing_nm : float
         Distance between base pairs, used wherever the rod is a lattice.
+    centre_nm : (3,)
+        Centre of mass of a cross-section, seen from the origin of its frame.
 
     Raises
     ------
@@ -66,6 +71,7 @@ class Rod:
     spacing_nm: float
     gamma0: FloatArray = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     omega0_rad_per_nm: FloatArray = field(default_factory=lambda: np.zeros(3))
+    centre_nm: FloatArray = field(default_factory=lambda: np.zeros(3))
 
     def __post_init__(self) -> None:
         for name, shape in (
@@ -73,6 +79,7 @@ class Rod:
             ("stiffness", (6, 6)),
             ("gamma0", (3,)),
             ("omega0_rad_per_nm", (3,)),
+            ("centre_nm", (3,)),
         ):
             object.__setattr__(self, name, _frozen_array(name, getattr(self, name), shape))
         for name in ("density_Da_per_nm", "spacing_nm"):
@@ -104,8 +111,13 @@ class Rod:
 
     @property
     def mass(self) -> FloatArray:
-        """Mass matrix per length (6, 6): Da/nm, then Da nm."""
-        return scipy.linalg.block_diag(self.density_Da_per_nm * np.eye(3), self.inertia_Da_nm)
+        """Mass matrix per length (6, 6): Da/nm, off-diagonal blocks Da, lower right Da nm.
+
+        Of the velocity of the frame's origin: a centre of mass beside it couples the two blocks.
+        """
+        offset = self.density_Da_per_nm * cross_matrix(self.centre_nm)
+        inertia = self.inertia_Da_nm - offset @ cross_matrix(self.centre_nm)
+        return np.block([[self.density_Da_per_nm * np.eye(3), -offset], [offset, inertia]])
 
     @property
     def connection(self) -> FloatArray:
@@ -119,13 +131,14 @@ class Rod:
         Of a rod twisted about a straight axis, in the laboratory frame. A long wave loads each
         orientation of the cross-section alike, so compliances average: 1/D_eff = (1/D1 + 1/D2)/2.
         The coupling of extension and twist is kept; couplings of shear and bend are dropped.
+        The centre of mass goes round the axis: its distance adds to the moments of inertia.
         """
         compliance = np.linalg.inv(self.stiffness)
         stiffness = np.zeros((6, 6))
         for pair in ([SHEAR_1, SHEAR_2], [BEND_1, BEND_2]):
             stiffness[pair, pair] = 1 / compliance[pair, pair].mean()
         stiffness[np.ix_(AXIAL, AXIAL)] = axial_stiffness(self)
-        inertia = np.diag(self.inertia_Da_nm)
+        inertia = np.diag(self.mass)[3:]
         transverse = inertia[:2].mean()
         return replace(
             self,
@@ -133,6 +146,7 @@ class Rod:
             inertia_Da_nm=np.diag([transverse, transverse, inertia[2]]),
             gamma0=np.array([0.0, 0.0, self.gamma0[2]]),
             omega0_rad_per_nm=np.zeros(3),
+            centre_nm=np.zeros(3),
         )
 
 
@@ -143,10 +157,23 @@ def axial_stiffness(rod: Rod) -> FloatArray:
     Without intrinsic twist only the shears relax: a uniform bend would need a deflection that
     grows as the wavelength squared, and the inertia of that deflection keeps it away.
     """
-    twisted = rod.omega0_rad_per_nm[2] != 0
-    strains = [*AXIAL, SHEAR_1, SHEAR_2] + ([BEND_1, BEND_2] if twisted else [])
+    strains = [*AXIAL, SHEAR_1, SHEAR_2] + ([BEND_1, BEND_2] if _twisted(rod) else [])
     compliance = np.linalg.inv(rod.stiffness[np.ix_(strains, strains)])
     return np.linalg.inv(compliance[:2, :2])
+
+
+def axial_mass(rod: Rod) -> FloatArray:
+    """Return the (2, 2) mass of (extension, twist), Da/nm and Da nm, for those waves.
+
+    A rod with intrinsic twist turns about the axis through the origins of its frames, one without
+    about its centres of mass: its axis gives way to a force across it at no cost.
+    """
+    twist_inertia = rod.mass[TWIST, TWIST] if _twisted(rod) else rod.inertia_Da_nm[2, 2]
+    return np.diag([rod.density_Da_per_nm, twist_inertia])
+
+
+def _twisted(rod: Rod) -> bool:
+    return bool(rod.omega0_rad_per_nm[2] != 0)
 
 
 def short_wave_speeds_A_per_ps(rod: Rod) -> dict[str, float]:
@@ -172,9 +199,9 @@ def long_wave_speeds_A_per_ps(rod: Rod) -> dict[str, float]:
     Extension and twist mix when they are coupled; each key names the wave in which that motion
     carries most of the kinetic energy.
     """
-    mass = np.array([rod.density_Da_per_nm, rod.inertia_Da_nm[2, 2]])
-    squared, shapes = scipy.linalg.eigh(axial_stiffness(rod), np.diag(mass))
-    extension = int(np.argmax(mass[0] * shapes[0] ** 2))
+    mass = axial_mass(rod)
+    squared, shapes = scipy.linalg.eigh(axial_stiffness(rod), mass)
+    extension = int(np.argmax(mass[0, 0] * shapes[0] ** 2))
     speeds = np.sqrt(squared) * A_PER_NM
     return {"extension": float(speeds[extension]), "twist": float(speeds[1 - extension])}
 
@@ -198,8 +225,12 @@ def _frozen_array(name: str, value: ArrayLike, shape: tuple[int, ...]) -> FloatA
 def _require_positive_definite(name: str, matrix: FloatArray) -> None:
     if not np.allclose(matrix, matrix.T, rtol=1e-8, atol=1e-10 * np.abs(matrix).max()):
         raise InputError(f"rod: {name} is not symmetric")
-    smallest = np.linalg.eigvalsh(matrix)[0]
-    if smallest <= 0:
+    scale = np.sqrt(np.abs(np.diag(matrix)))
+    # on a diagonal of ones the units of force and of torque no longer matter
+    with_unit_diagonal = matrix / np.outer(scale, scale) if scale.all() else matrix
+    smallest = np.linalg.eigvalsh(with_unit_diagonal)[0]
+    if smallest <= ROUND_OFF:
         raise InputError(
-            f"rod: {name} is not positive definite; its smallest eigenvalue is {smallest:.3g}"
+            f"rod: {name} is not positive definite; scaled to a diagonal of ones its smallest "
+            f"eigenvalue is {smallest:.3g}, and {ROUND_OFF:g} is round-off"
         )
