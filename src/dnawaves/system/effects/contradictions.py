@@ -1,0 +1,120 @@
+"""Effects that cannot both be part of one scene."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+Solvent = Literal["none", "OBC2", "GBn2", "OPC", "TIP3P"]
+
+
+@dataclass(frozen=True)
+class Contradiction:
+    """Two declared effects, each with its value, and why they exclude each other."""
+
+    first: str
+    second: str
+    why: str
+
+    def __str__(self) -> str:
+        """Return one sentence that names both."""
+        return f"{self.first} contradicts {self.second}: {self.why}"
+
+
+def contradictions(
+    *,
+    solvent: Solvent = "none",
+    counterion_fraction: float = 0.0,
+    salt_M: float = 0.0,
+    barostat: bool = False,
+    thermostat: bool = False,
+    conserves_energy: bool = False,
+    constraints: Literal["none", "hbonds"] = "none",
+    frozen: Iterable[int] = (),
+    loaded: Iterable[int] = (),
+    heavier: Iterable[int] = (),
+) -> list[Contradiction]:
+    """Return every pair of effects that contradict each other; none for a sound scene.
+
+    `conserves_energy` says that the scene measures at constant energy (NVE); `frozen`, `loaded`
+    and `heavier` are the base pairs that cannot move, bear a static load, carry added mass.
+    """
+    explicit, implicit = solvent in ("OPC", "TIP3P"), solvent in ("OBC2", "GBn2")
+    stuck = sorted(frozenset(frozen))
+    ends = f"frozen base pairs {_listed(stuck)}"
+    pushed, burdened = (sorted(frozenset(chosen) & {*stuck}) for chosen in (loaded, heavier))
+    condensed = f"counterion_fraction {counterion_fraction:g}"
+    table = (
+        (
+            counterion_fraction > 0 and explicit,
+            condensed,
+            f"solvent {solvent}",
+            "the explicit ions already neutralise the phosphates",
+        ),
+        (
+            counterion_fraction > 0 and implicit,
+            condensed,
+            f"solvent {solvent}",
+            "the model was fitted to screen the phosphates' full charges",
+        ),
+        (
+            salt_M > 0 and solvent == "none",
+            f"salt_M {salt_M:g}",
+            "solvent none",
+            "there is nothing that the salt is dissolved in",
+        ),
+        (
+            barostat and not explicit,
+            "barostat",
+            f"solvent {solvent}",
+            "there is no box whose volume could change",
+        ),
+        (
+            barostat and not thermostat,
+            "barostat",
+            "no thermostat",
+            "its moves are drawn at a temperature that nothing keeps",
+        ),
+        (
+            barostat and bool(stuck),
+            "barostat",
+            ends,
+            "it moves whole molecules, atoms without mass included",
+        ),
+        (
+            thermostat and conserves_energy,
+            "thermostat",
+            "a scene at constant energy",
+            "it takes out and puts in energy at every step",
+        ),
+        (
+            barostat and conserves_energy,
+            "barostat",
+            "a scene at constant energy",
+            "it takes out and puts in energy with the volume",
+        ),
+        (
+            constraints != "none" and bool(stuck),
+            f"constraints {constraints}",
+            ends,
+            "a constraint that touches an atom without mass cannot be satisfied",
+        ),
+        (
+            bool(pushed),
+            f"a static load on base pairs {_listed(pushed)}",
+            ends,
+            "what cannot move does not feel a load",
+        ),
+        (
+            bool(burdened),
+            f"added mass on base pairs {_listed(burdened)}",
+            ends,
+            "what cannot move does not feel its mass",
+        ),
+    )
+    return [Contradiction(first, second, why) for found, first, second, why in table if found]
+
+
+def _listed(pairs: list[int]) -> str:
+    return ", ".join(str(pair + 1) for pair in pairs)
