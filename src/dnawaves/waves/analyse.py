@@ -198,6 +198,7 @@ def _resonance(records: Sequence[Record], excitation: Periodic) -> Estimate:
     pairs = first.span[1] - first.span[0] + 1
     wavenumber = axial_wavenumber(pairs, 1, "held", first.spacing_nm)
     drives = [2e-3 * np.pi * float(record.motion.attrs["frequency_GHz"]) for record in records]
+    ramps = [float(record.motion.attrs.get("ramp_ps", 0.0)) for record in records]
     projections = [mode_projection(record, wave) for record in records]
 
     def fit(chosen: Sequence[int], part: float) -> Fit:
@@ -206,6 +207,7 @@ def _resonance(records: Sequence[Record], excitation: Periodic) -> Estimate:
             [records[i].times_ps[:n] for i, n in zip(chosen, frames, strict=True)],
             [projections[i][:n] for i, n in zip(chosen, frames, strict=True)],
             [drives[i] for i in chosen],
+            [ramps[i] for i in chosen],
         )
 
     everything = range(len(records))

@@ -54,19 +54,24 @@ def damped_sine_fit(times_ps: Array, projection: Array) -> Fit:
 
 
 def resonance_fit(
-    times_ps: Sequence[Array], projections: Sequence[Array], drives_rad_per_ps: Sequence[float]
+    times_ps: Sequence[Array],
+    projections: Sequence[Array],
+    drives_rad_per_ps: Sequence[float],
+    ramps_ps: Sequence[float] | None = None,
 ) -> Fit:
     """Fit one driven oscillator, from rest and transient included, to runs of several drives.
 
-    `projections` are the mode's velocities; frequency, friction and gain are common to all runs,
+    `ramps_ps` are the times over which the drives rise, left out none; `projections` are the mode's velocities; frequency, friction and gain are common to all runs,
     so the frequency is known better than the inverse length of a record. The rate is in rad/ps.
     """
+
+    ramps = ramps_ps or [0.0 for _ in drives_rad_per_ps]
 
     def model(frequency: float, friction: float) -> Array:
         return np.concatenate(
             [
-                sine_drive_response(times, [frequency], friction, drive)[1][:, 0]
-                for times, drive in zip(times_ps, drives_rad_per_ps, strict=True)
+                sine_drive_response(times, [frequency], friction, drive, ramp_ps)[1][:, 0]
+                for times, drive, ramp_ps in zip(times_ps, drives_rad_per_ps, ramps, strict=True)
             ]
         )
 

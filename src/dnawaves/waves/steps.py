@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from dnawaves.scene.models import Kick, Nothing, Periodic, SceneSpec, StandingWa
 from dnawaves.waves.analyse import analyse, mode_projection, standing_projection
 from dnawaves.waves.record import Record
 from dnawaves.waves.spectrum import frequency_wavenumber
-from dnawaves.waves.table import write_table
+from dnawaves.waves.table import Estimate, write_table
 
 
 def analyse_step(scene_json: Path, motions: Sequence[Path], output: Path, waves: Path) -> None:
@@ -36,7 +36,11 @@ def analyse_step(scene_json: Path, motions: Sequence[Path], output: Path, waves:
         for member, motion in zip(scene.members, motions, strict=True)
     ]
     write_netcdf(waves, figure_data(records))
-    write_table(output, [replace(row, system=scene.system.name) for row in analyse(records)])
+    write_table(output, _labelled(scene, analyse(records)))
+
+
+def _labelled(scene: SceneSpec, rows: Iterable[Estimate]) -> list[Estimate]:
+    return [replace(row, system=scene.system.name, method=scene.method) for row in rows]
 
 
 def _read_motion(path: Path, scene: SceneSpec) -> xr.Dataset:

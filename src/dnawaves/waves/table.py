@@ -44,10 +44,11 @@ class Estimate:
     paper_arrival_ps: float | None = None
     reason: str = ""
     system: str = ""
+    method: str = "simulated"
 
 
 COLUMNS = tuple(field.name for field in fields(Estimate))
-TEXT_COLUMNS = ("scene", "wave", "estimator", "interval", "reason", "system")
+TEXT_COLUMNS = ("scene", "wave", "estimator", "interval", "reason", "system", "method")
 
 
 def spread(estimate: Estimate, speeds_A_per_ps: Sequence[float], paper_A_per_ps: float) -> Estimate:
