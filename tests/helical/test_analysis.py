@@ -12,10 +12,14 @@ from MDAnalysis.coordinates.memory import MemoryReader
 from scipy.spatial.transform import Rotation
 
 from dnawaves.errors import InputError
+from dnawaves.frames.fit import Frames
+from dnawaves.frames.helix import HELIX_PARAMETERS, helix_parameters
 from dnawaves.frames.parameters import PAIR_PARAMETERS, STEP_PARAMETERS
 from dnawaves.helical.analysis import HelicalParameters
-from dnawaves.helical.dataset import NO_FRAME, OPPOSED, helical_dataset
-from dnawaves.helical.pairs import BasePair, find_pairs
+from dnawaves.helical.dataset import helical_dataset
+from dnawaves.helical.flags import ATOMS_MISSING, NO_FRAME, OPPOSED
+from dnawaves.helical.form import BasePair
+from dnawaves.helical.pairs import find_pairs
 
 Maker = Callable[[str], MDAnalysis.Universe]
 SEQUENCE = "CGATTAAGCG"
@@ -44,11 +48,12 @@ def test_fibre_a_tract_is_the_screw(make_universe: Maker) -> None:
 
 def test_labels_dimensions_units(make_universe: Maker) -> None:
     dataset = analysed(make_universe(SEQUENCE))
-    assert dict(dataset.sizes) == {"time": 1, "pair": 10, "step": 9, "axis": 3, "component": 3}
+    sizes = {"time": 1, "pair": 10, "step": 9, "strand": 2, "axis": 3, "component": 3}
+    assert dict(dataset.sizes) == sizes
     assert dataset.step.values[0] == "A:1-B:10/A:2-B:9"
     assert dataset.step_sequence.values.tolist()[:3] == ["CG/CG", "GA/TC", "AT/AT"]
     assert dataset.pair_sequence.values.tolist()[:2] == ["C-G", "G-C"]
-    for names in (PAIR_PARAMETERS, STEP_PARAMETERS):
+    for names in (PAIR_PARAMETERS, STEP_PARAMETERS, HELIX_PARAMETERS):
         assert [dataset[n].units for n in names] == ["angstrom"] * 3 + ["degree"] * 3
     assert dataset.time.units == "ps"
     assert dataset.origin.dims == ("time", "pair", "component")
@@ -99,6 +104,18 @@ def test_the_complementary_strand_read_first_changes_signs(make_universe: Maker)
         np.testing.assert_allclose(other[name].values[:, ::-1], sign * one[name], atol=1e-9)
 
 
+def test_helical_axis_parameters_are_those_of_the_frames(make_universe: Maker) -> None:
+    universe = make_universe(SEQUENCE)
+    rng = np.random.default_rng(8)
+    universe.atoms.positions += rng.normal(scale=0.2, size=universe.atoms.positions.shape)
+    dataset = analysed(universe)
+    origin, axes = dataset.origin.values[0], dataset.axes.values[0]
+    screws = helix_parameters(Frames(origin.T, axes.transpose(1, 2, 0)))
+    for name, values in zip(HELIX_PARAMETERS, screws.values, strict=True):
+        # Two ways to one number, each in float64; Å and degrees of order ten.
+        np.testing.assert_allclose(dataset[name][0], values, atol=1e-11, err_msg=name)
+
+
 def test_missing_ring_atoms_are_warned_of_and_fitted(make_universe: Maker) -> None:
     universe = make_universe(SEQUENCE)
     whole = analysed(universe)
@@ -108,7 +125,7 @@ def test_missing_ring_atoms_are_warned_of_and_fitted(make_universe: Maker) -> No
         found = analysed(broken)
     # The fibre's rings are within 0.01 Å of the standard ones: some 0.5 deg on fewer atoms.
     np.testing.assert_allclose(found.twist, whole.twist, atol=0.5)
-    assert not found.pair_flag.any()
+    np.testing.assert_array_equal(found.pair_flag.values[0], [0, 0, ATOMS_MISSING] + 7 * [0])
 
 
 def test_a_base_without_a_ring_is_flagged_not_zero(make_universe: Maker) -> None:
@@ -116,9 +133,11 @@ def test_a_base_without_a_ring_is_flagged_not_zero(make_universe: Maker) -> None
     stub = "not (segid A and resid 3 and not name P OP1 OP2 *' N9)"
     with pytest.warns(UserWarning, match="its frame is undefined"):
         found = analysed(MDAnalysis.Merge(universe.select_atoms(stub)))
-    np.testing.assert_array_equal(found.pair_flag.values[0], [0, 0, NO_FRAME] + 7 * [0])
-    np.testing.assert_array_equal(found.step_flag.values[0], [0, NO_FRAME, NO_FRAME] + 6 * [0])
+    undefined = NO_FRAME | ATOMS_MISSING
+    np.testing.assert_array_equal(found.pair_flag.values[0], [0, 0, undefined] + 7 * [0])
+    np.testing.assert_array_equal(found.step_flag.values[0], [0, undefined, undefined] + 6 * [0])
     np.testing.assert_array_equal(np.isnan(found.twist), found.step_flag != 0)
+    np.testing.assert_array_equal(np.isnan(found.helical_rise), found.step_flag != 0)
     np.testing.assert_array_equal(np.isnan(found.opening), found.pair_flag != 0)
 
 
@@ -131,8 +150,8 @@ def test_a_base_turned_over_exactly_is_flagged(make_universe: Maker) -> None:
     assert first.letter == second.letter == "T"
     positions[first.indices] = positions[second.indices]
     found = helical_dataset(positions[None], [BasePair(second, first), *pairs[1:3]])
-    assert found.pair_flag.values[0].tolist() == [OPPOSED, 0, 0]
-    assert found.step_flag.values[0].tolist() == [NO_FRAME, 0]
+    assert (found.pair_flag.values[0] & (NO_FRAME | OPPOSED)).tolist() == [OPPOSED, 0, 0]
+    assert (found.step_flag.values[0] & (NO_FRAME | OPPOSED)).tolist() == [NO_FRAME, 0]
 
 
 def test_positions_of_the_wrong_shape(make_universe: Maker) -> None:

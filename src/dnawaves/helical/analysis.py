@@ -1,51 +1,139 @@
-"""Helical parameters of a trajectory, as an analysis of MDAnalysis."""
+"""The analysis of a trajectory, in the manner of MDAnalysis."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Literal
 
 import numpy as np
+import xarray as xr
 from MDAnalysis import Universe
+from MDAnalysis.analysis.backends import BackendBase, BackendSerial
 from MDAnalysis.analysis.base import AnalysisBase
+from MDAnalysis.analysis.results import Results
 from MDAnalysis.core.groups import AtomGroup
+from MDAnalysis.lib.log import ProgressBar
+from numpy.typing import NDArray
 
-from dnawaves.helical.bases import Base
-from dnawaves.helical.dataset import helical_dataset
-from dnawaves.helical.pairs import BasePair, find_pairs
+from dnawaves.helical.compute import Arrays, Duplexes, keep_freed_memory
+from dnawaves.helical.dataset import allocate, fill, make_dataset
+from dnawaves.helical.pairs import find_pairs
+from dnawaves.helical.precision import coordinate_precision
+from dnawaves.helical.reader import read_chunks
+from dnawaves.helical.shared import shared_file
 
 
 class HelicalParameters(AnalysisBase):
-    """Base-pair and step parameters of one duplex.
+    """Base-pair, step and helical-axis parameters of every duplex among `atoms`.
 
-    `atoms` holds the duplex, whole in one periodic image; `pairs` overrides which bases pair
-    (see `find_pairs`, whose `InputError` it raises). After `.run()`, `.results.dataset` is the
-    data set of `helical_dataset`, time in ps.
+    `pairs` overrides which bases pair (see `find_pairs`, whose `InputError` this raises). Pairs
+    and their forms are those of the time at which the universe stands. After `.run()`,
+    `.results.dataset` is the data set of `make_dataset`, time in ps; without `keep_frames` it has
+    no origins and axes, which are three quarters of it. Backends "multiprocessing" and "dask"
+    share the times out between processes of one machine.
     """
 
-    def __init__(
-        self, atoms: AtomGroup | Universe, pairs: Sequence[tuple[str, str]] | None = None
-    ) -> None:
-        universe = atoms.universe
-        super().__init__(universe.trajectory)
-        found = find_pairs(atoms, pairs)
-        bases = [base for pair in found for base in (pair.first, pair.second)]
-        used = np.unique(np.concatenate([base.indices for base in bases]))
-        self._atoms = universe.atoms[used]
-        self._pairs = [
-            BasePair(_renumbered(pair.first, used), _renumbered(pair.second, used))
-            for pair in found
-        ]
+    _analysis_algorithm_is_parallelizable = True
+    _shared: str
+    _arrays: Arrays
 
-    def _prepare(self) -> None:
-        self._positions_A = np.empty((self.n_frames, len(self._atoms), 3), dtype=np.float32)
+    @classmethod
+    def get_supported_backends(cls) -> tuple[str, ...]:
+        """Return the backends that `run` takes."""
+        return ("serial", "multiprocessing", "dask")
+
+    def __init__(
+        self,
+        atoms: AtomGroup | Universe,
+        pairs: Sequence[tuple[str, str]] | None = None,
+        keep_frames: bool = True,
+        verbose: bool = False,
+    ) -> None:
+        super().__init__(atoms.universe.trajectory, verbose=verbose)
+        self.duplexes = Duplexes(find_pairs(atoms, pairs), keep_frames)
+        self.precision = coordinate_precision(atoms.universe.trajectory)
+
+    def run(self, *args: Any, **kwargs: Any) -> HelicalParameters:
+        """Analyse the trajectory; arguments as for every analysis of MDAnalysis."""
+        # What an earlier run left would travel to every worker and back.
+        self._arrays, self.results = {}, Results()
+        with shared_file() as self._shared:
+            super().run(*args, **kwargs)
+        return self
+
+    def block(self, frames: NDArray[np.int64]) -> xr.Dataset:
+        """Return the data set of some frames of the trajectory, by number: part of a long one."""
+        arrays = allocate(self.duplexes, len(frames))
+        times_ps = np.concatenate([times for _, times in self._chunks(frames, arrays)])
+        return self._dataset(arrays, times_ps, frames)
+
+    def _chunks(
+        self, frames: NDArray[np.int64], arrays: Arrays, first: int = 0
+    ) -> Iterator[tuple[slice, NDArray[np.float64]]]:
+        """Fill arrays from time `first` on; yield for each chunk its frames and times in ps."""
+        keep_freed_memory()
+        duplexes = self.duplexes
+        done = 0
+        for chunk in read_chunks(self._trajectory, frames, duplexes.indices, duplexes.chunk):
+            now = slice(done, done + len(chunk.times_ps))
+            result = duplexes(chunk.positions_A, chunk.boxes, frames[now])
+            fill(arrays, slice(first + now.start, first + now.stop), result)
+            yield now, chunk.times_ps
+            done = now.stop
+
+    def _configure_backend(self, *args: Any, **kwargs: Any) -> BackendBase:
+        executor = super()._configure_backend(*args, **kwargs)
+        self._elsewhere = not isinstance(executor, BackendSerial)
+        return executor
+
+    def _setup_frames(self, *args: Any, **kwargs: Any) -> None:
+        super()._setup_frames(*args, **kwargs)
+        self._total = self.n_frames
+        if self._elsewhere:
+            # Other processes write their frames into memory that is mapped here as well: sent
+            # through a pipe, the result would cost more than computing it.
+            self._mapped("w+")
+        else:
+            self._arrays = allocate(self.duplexes, self._total)
+
+    def _mapped(self, mode: Literal["r+", "w+"]) -> Arrays:
+        """Map the shared file of the result; what is mapped lives on when the file is gone."""
+        size = self.duplexes.bytes_per_time() * self._total
+        memory = np.memmap(self._shared, np.uint8, mode, shape=(max(1, size),))
+        return self.duplexes.views(memory, self._total)
+
+    def _compute(
+        self,
+        indexed_frames: NDArray[np.int64],
+        verbose: bool | None = None,
+        *,
+        progressbar_kwargs: Mapping[str, Any] | None = None,
+    ) -> HelicalParameters:
+        """Analyse one group of frames, (place in the result, frame number), in whole chunks."""
+        frames = np.asarray(indexed_frames[:, 1])
+        self.frames, self.times = frames, np.zeros(len(frames))
+        if not len(frames):
+            return self
+        arrays = self._mapped("r+") if self._elsewhere else self._arrays
+        chunks = self._chunks(frames, arrays, int(indexed_frames[0, 0]))
+        shown = self._verbose if verbose is None else verbose
+        bar = ProgressBar(total=len(frames), **(progressbar_kwargs or {})) if shown else None
+        for now, times_ps in chunks:
+            self.times[now] = times_ps
+            if bar is not None:
+                bar.update(len(times_ps))
+        if bar is not None:
+            bar.close()
+        return self
 
     def _single_frame(self) -> None:
-        self._positions_A[self._frame_index] = self._atoms.positions
+        """Not used: `_compute` works on whole chunks."""
 
     def _conclude(self) -> None:
-        self.results.dataset = helical_dataset(self._positions_A, self._pairs, self.times)
+        arrays = self._mapped("r+") if self._elsewhere else self._arrays
+        self.results.dataset = self._dataset(arrays, self.times, self.frames)
 
-
-def _renumbered(base: Base, used: np.ndarray) -> Base:
-    return replace(base, indices=np.searchsorted(used, base.indices))
+    def _dataset(
+        self, arrays: Arrays, times_ps: NDArray[np.float64], frames: NDArray[np.int64]
+    ) -> xr.Dataset:
+        return make_dataset(arrays, self.duplexes, times_ps, frames, self.precision)

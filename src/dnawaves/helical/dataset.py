@@ -1,40 +1,23 @@
-"""Helical parameters of a duplex over time, as a labelled data set."""
+"""Helical parameters over time, as a labelled data set."""
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Sequence
-from itertools import pairwise
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from dnawaves.errors import InputError
-from dnawaves.frames.fit import Frames
-from dnawaves.frames.parameters import (
-    PAIR_PARAMETERS,
-    STEP_PARAMETERS,
-    RigidBodyParameters,
-    pair_parameters,
-    step_parameters,
-)
-from dnawaves.frames.standard import standard_ring
-from dnawaves.frames.vectors import Array
-from dnawaves.helical.frames import base_frames
-from dnawaves.helical.pairs import BasePair
+from dnawaves.frames.helix import HELIX_PARAMETERS
+from dnawaves.frames.parameters import PAIR_PARAMETERS, STEP_PARAMETERS
+from dnawaves.helical.compute import Arrays, Duplexes
+from dnawaves.helical.flags import FLAG_ATTRIBUTES
+from dnawaves.helical.form import BasePair
 
-# Frames of time worked on together: their arrays stay in the processor's cache.
-_CHUNK = 200
-
-NO_FRAME, OPPOSED = 1, 2
-_FLAG_ATTRS = {
-    "flag_values": [0, NO_FRAME, OPPOSED],
-    "flag_meanings": "defined no_frame bend_of_180_degrees",
-}
 _CONVENTION = (
     "standard reference frame (Olson et al. 2001), mid-step parameters (El Hassan & Calladine"
-    " 1995), as in 3DNA"
+    " 1995), as in 3DNA (Lu & Olson 2003)"
 )
 
 
@@ -43,79 +26,103 @@ def helical_dataset(
     pairs: Sequence[BasePair],
     time_ps: NDArray[np.floating] | None = None,
 ) -> xr.Dataset:
-    """Return all base-pair and step parameters of one duplex.
+    """Return all parameters and frames of base pairs whose coordinates are in memory.
 
-    `positions_A` is (times, atoms, 3), indexed by the bases' `indices`; `pairs` go along
-    strand I, 5' to 3'; without `time_ps` (times,) time has no coordinate. Variables: the six pair
-    parameters (time, pair), the six step parameters (time, step), `origin` (time, pair,
-    component) in Å, `axes` (time, pair, axis, component), `pair_flag` and `step_flag`: where
-    these are not 0 a value is undefined, and NaN. Warns of bases with missing ring atoms.
-    Raises `InputError` for arrays of the wrong shape.
+    `positions_A` is (times, atoms, 3), indexed by the bases' `indices`, whole in one periodic
+    image; without `time_ps` (times,) time has no coordinate. See `make_dataset` for what comes.
+    Warns of bases with missing ring atoms. Raises `InputError` for arrays of the wrong shape.
     """
     if positions_A.ndim != 3 or positions_A.shape[2] != 3:
         raise InputError(f"positions are (times, atoms, 3), not {positions_A.shape}")
-    if not pairs:
-        raise InputError("no base pairs were given")
-    times, count = len(positions_A), len(pairs)
-    bases = [pair.first for pair in pairs] + [pair.second for pair in pairs]
-    _warn_of_missing_atoms(pairs)
-    pair_values = np.empty((6, times, count))
-    step_values = np.empty((6, times, count - 1))
-    origin = np.empty((times, count, 3))
-    axes = np.empty((times, count, 3, 3))
-    pair_flag = np.empty((times, count), dtype=np.int8)
-    step_flag = np.empty((times, count - 1), dtype=np.int8)
-    for begin in range(0, times, _CHUNK):
-        now = slice(begin, begin + _CHUNK)
-        frames = base_frames(positions_A[now], bases)
-        in_pairs = pair_parameters(_part(frames, slice(count)), _part(frames, slice(count, None)))
-        in_steps = step_parameters(in_pairs.middle)
-        pair_values[:, now] = in_pairs.values.swapaxes(1, 2)
-        step_values[:, now] = in_steps.values.swapaxes(1, 2)
-        origin[now] = in_pairs.middle.origin.T
-        axes[now] = in_pairs.middle.axes.transpose(3, 2, 0, 1)
-        pair_flag[now] = _flags(in_pairs).T
-        step_flag[now] = _flags(in_steps).T
-    variables = {
-        **_variables(PAIR_PARAMETERS, pair_values, "pair"),
-        **_variables(STEP_PARAMETERS, step_values, "step"),
-        "origin": (("time", "pair", "component"), origin, {"units": "angstrom"}),
-        "axes": (("time", "pair", "axis", "component"), axes, {"units": "1"}),
-        "pair_flag": (("time", "pair"), pair_flag, _FLAG_ATTRS),
-        "step_flag": (("time", "step"), step_flag, _FLAG_ATTRS),
+    duplexes = Duplexes(pairs)
+    arrays = allocate(duplexes, len(positions_A))
+    for begin in range(0, len(positions_A), duplexes.chunk):
+        now = slice(begin, begin + duplexes.chunk)
+        fill(arrays, now, duplexes(positions_A[now][:, duplexes.indices]))
+    return make_dataset(arrays, duplexes, time_ps)
+
+
+def allocate(duplexes: Duplexes, times: int) -> Arrays:
+    """Return empty arrays for the result over so many times."""
+    # In one piece: the kernel maps a large one in large pages, which is sooner done.
+    return duplexes.views(np.empty(duplexes.bytes_per_time() * times, dtype=np.uint8), times)
+
+
+def fill(arrays: Arrays, times: slice, chunk: Mapping[str, NDArray[np.generic]]) -> None:
+    """Copy the result of a chunk to its times."""
+    for name, values in arrays.items():
+        values[..., times] = chunk[name]
+
+
+def make_dataset(
+    arrays: Arrays,
+    duplexes: Duplexes,
+    time_ps: NDArray[np.floating] | None = None,
+    frame: NDArray[np.int64] | None = None,
+    attributes: Mapping[str, str] | None = None,
+) -> xr.Dataset:
+    """Return the labelled data set of arrays as `Duplexes` gives them, without copying them.
+
+    The six pair parameters (time, pair), the six step and six helical-axis parameters
+    (time, step); `base_origin` and `base_axes` (time, strand, pair, ...), `origin` and `axes` of
+    the pairs (time, pair, ...), `step_origin` and `step_axes` of the mid-steps, origins in Å,
+    axes as (axis, component); `pair_flag` and `step_flag`, bits that `flag_meanings` names.
+    What is undefined is NaN, and flagged.
+    """
+    count = len(duplexes.pairs)
+    times = arrays["pair_flag"].shape[-1]
+    bases = {
+        name: values.reshape((*values.shape[:-2], 2, count, times))
+        for name, values in arrays.items()
+        if name.startswith("base_")
     }
-    dataset = xr.Dataset(variables, _coordinates(pairs), {"convention": _CONVENTION})
-    if time_ps is None:
-        return dataset
-    return dataset.assign_coords(time=("time", np.asarray(time_ps), {"units": "ps"}))
+    variables: dict[str, tuple[tuple[str, ...], NDArray[np.generic], Mapping[str, object]]] = {}
+    for array, names, dimension in (
+        ("pair_parameters", PAIR_PARAMETERS, "pair"),
+        ("step_parameters", STEP_PARAMETERS, "step"),
+        ("helix_parameters", HELIX_PARAMETERS, "step"),
+    ):
+        for number, name in enumerate(names):
+            units = {"units": "angstrom" if number < 3 else "degree"}
+            variables[name] = (("time", dimension), arrays[array][number].T, units)
+    for name, what, along in (
+        ("base_", bases, ("strand", "pair")),
+        ("", arrays, ("pair",)),
+        ("step_", arrays, ("step",)),
+    ):
+        if f"{name}origin" not in what:
+            continue
+        origin, axes = what[f"{name}origin"], what[f"{name}axes"]
+        variables[f"{name}origin"] = (
+            ("time", *along, "component"),
+            np.moveaxis(origin, (-1, 0), (0, -1)),
+            {"units": "angstrom"},
+        )
+        variables[f"{name}axes"] = (
+            ("time", *along, "axis", "component"),
+            np.moveaxis(axes, (-1, 0, 1), (0, -2, -1)),
+            {"units": "1"},
+        )
+    for dimension in ("pair", "step"):
+        name = f"{dimension}_flag"
+        variables[name] = (("time", dimension), arrays[name].T, dict(FLAG_ATTRIBUTES))
+    coordinates = _coordinates(duplexes)
+    if bases:
+        xyz = ["x", "y", "z"]
+        coordinates |= {"strand": ["I", "II"], "axis": xyz, "component": xyz}
+    if frame is not None:
+        coordinates["frame"] = ("time", frame)
+    if time_ps is not None:
+        coordinates["time"] = ("time", np.asarray(time_ps), {"units": "ps"})
+    return xr.Dataset(variables, coordinates, {"convention": _CONVENTION, **(attributes or {})})
 
 
-def _part(frames: Frames, bases: slice) -> Frames:
-    return Frames(frames.origin[:, bases], frames.axes[:, :, bases])
-
-
-def _flags(parameters: RigidBodyParameters) -> NDArray[np.int8]:
-    undefined = np.isnan(parameters.values).any(axis=0)
-    return np.where(parameters.opposed, OPPOSED, np.where(undefined, NO_FRAME, 0)).astype(np.int8)
-
-
-def _variables(
-    names: Sequence[str], values: Array, dimension: str
-) -> dict[str, tuple[tuple[str, str], Array, dict[str, str]]]:
-    units = ["angstrom"] * 3 + ["degree"] * 3
-    return {
-        name: (("time", dimension), value, {"units": unit})
-        for name, value, unit in zip(names, values, units, strict=True)
-    }
-
-
-def _coordinates(pairs: Sequence[BasePair]) -> dict[str, object]:
-    steps = list(pairwise(pairs))
+def _coordinates(duplexes: Duplexes) -> dict[str, object]:
+    pairs = duplexes.pairs
+    steps = [(pairs[step], pairs[step + 1]) for step in duplexes.steps]
     return {
         "pair": [pair.label for pair in pairs],
         "step": [f"{here.label}/{there.label}" for here, there in steps],
-        "axis": ["x", "y", "z"],
-        "component": ["x", "y", "z"],
         "pair_sequence": ("pair", [pair.sequence for pair in pairs]),
         "step_sequence": (
             "step",
@@ -124,17 +131,6 @@ def _coordinates(pairs: Sequence[BasePair]) -> dict[str, object]:
                 for here, there in steps
             ],
         ),
+        "pair_duplex": ("pair", [pair.duplex + 1 for pair in pairs]),
+        "step_duplex": ("step", [here.duplex + 1 for here, _ in steps]),
     }
-
-
-def _warn_of_missing_atoms(pairs: Sequence[BasePair]) -> None:
-    for pair in pairs:
-        for base in (pair.first, pair.second):
-            missing = set(standard_ring(base.letter)) - set(base.atoms)
-            if missing:
-                outcome = "fitted to the rest" if len(base.atoms) >= 3 else "undefined"
-                warnings.warn(
-                    f"base {base.letter} {base.label} lacks {', '.join(sorted(missing))}:"
-                    f" its frame is {outcome}",
-                    stacklevel=3,
-                )

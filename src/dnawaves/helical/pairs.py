@@ -1,158 +1,133 @@
-"""The base pairs of one antiparallel duplex: by sequence and strands, checked by geometry."""
+"""The base pairs of a structure: by sequence and strands, checked by geometry; or as listed."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from itertools import combinations, pairwise
 
 import numpy as np
 from MDAnalysis import Universe
-from MDAnalysis.core.groups import AtomGroup, Residue
+from MDAnalysis.core.groups import AtomGroup
 
 from dnawaves.errors import InputError
-from dnawaves.helical.bases import Base, chain_name, find_bases, sugar_index
+from dnawaves.helical.bases import Nucleotide, find_nucleotides
+from dnawaves.helical.duplexes import SUGARS_A, Pairing, complementary, find_duplexes
+from dnawaves.helical.form import BasePair, decide_forms
+from dnawaves.helical.geometry import Bases
+from dnawaves.helical.pair_list import named_pairs, split_list
+from dnawaves.helical.strands import find_strands, spell
 
-_COMPLEMENTARY = {("A", "T"), ("T", "A"), ("A", "U"), ("U", "A"), ("C", "G"), ("G", "C")}
-
-# C1'-C1' is 10.4 to 10.8 Å in Watson-Crick pairs; a flipped-out base reaches 20 Å.
-_USUAL_DISTANCE_A = (8.0, 14.0)
-_ABSURD_DISTANCE_A = 30.0
-
-Nucleotide = tuple[Residue, Base]
-
-
-@dataclass(frozen=True, eq=False)
-class BasePair:
-    """Two paired bases, of strand I and strand II."""
-
-    first: Base
-    second: Base
-
-    @property
-    def label(self) -> str:
-        """The pair as "A:1-B:24"."""
-        return f"{self.first.label}-{self.second.label}"
-
-    @property
-    def sequence(self) -> str:
-        """The pair's letters as "C-G"."""
-        return f"{self.first.letter}-{self.second.letter}"
+# A flipped-out base reaches 20 Å: C1'-C1' beyond this is a strand in another periodic image.
+ABSURD_A = 30.0
 
 
 def find_pairs(
     atoms: AtomGroup | Universe, pairs: Sequence[tuple[str, str]] | None = None
 ) -> tuple[BasePair, ...]:
-    """Return the base pairs in the order of strand I, 5' to 3'.
+    """Return the base pairs of all duplexes, as they are in the universe's present frame of time.
 
-    Found from the two strands, aligned antiparallel without gaps where most bases are
-    complementary; every pair of the overlap counts, also a mismatched or open one. Or given:
-    `pairs` lists ("A:1", "B:24"), ..., as chain (or segment) and residue number.
-    Raises `InputError` if there are not two strands, if they are not complementary, if a named
-    base is not there, or if C1'-C1' distances say that the bases do not pair (a strand in
-    another periodic image).
+    Each duplex goes along its strand I (the one that comes first) 5' to 3'. Found from sequence,
+    strands and geometry, see `find_duplexes`; or given: `pairs` lists ("A:1", "B:24"), ..., as
+    chain (or segment) and residue number.
+    Raises `InputError` without nucleotides, without a duplex among them, for a list that names
+    bases which are not there or goes from 3' to 5', and for bases that do not lie side by side.
     """
     group = atoms.atoms
-    nucleotides = find_bases(group)
+    nucleotides = find_nucleotides(group)
+    positions_A = group.universe.atoms.positions
+    box = group.universe.dimensions
+    if box is not None and not np.all(box[:3] > 0):
+        box = None
+    strands, joined = find_strands(nucleotides, positions_A, box)
+    bases = Bases([nucleotide.base for nucleotide in nucleotides], positions_A, box)
     if pairs is None:
-        strand_I, strand_II = _two_strands(nucleotides)
-        chosen = _align(strand_I, strand_II)
+        duplexes = find_duplexes(bases, strands)
+        if not duplexes:
+            raise InputError(_why_none(bases, nucleotides, strands))
     else:
-        chosen = _named_pairs(nucleotides, pairs)
-    _check_distances(group, chosen)
-    return tuple(BasePair(first[1], second[1]) for first, second in chosen)
+        strand_of = [number for number, strand in enumerate(strands) for _ in strand]
+        duplexes = split_list(named_pairs(bases.bases, pairs), strand_of)
+        _refuse_backwards(bases, duplexes)
+    for duplex in duplexes:
+        _refuse_apart(bases, duplex)
+    return decide_forms(bases, duplexes, joined)
 
 
-def _two_strands(nucleotides: list[Nucleotide]) -> list[list[Nucleotide]]:
-    strands = _split(nucleotides, by_ends=False)
-    if len(strands) == 1:
-        strands = _split(nucleotides, by_ends=True)
-    if len(strands) != 2:
-        found = ", ".join(f"{s[0][1].label} to {s[-1][1].label}" for s in strands) or "none"
-        raise InputError(
-            f"a duplex has two strands, but found here: {found};"
-            " select one duplex, or give the list of base pairs"
-        )
-    return strands
-
-
-def _split(nucleotides: list[Nucleotide], by_ends: bool) -> list[list[Nucleotide]]:
-    """Split where the chain changes or the numbers fall; `by_ends`, at 5' ends as well."""
-    strands: list[list[Nucleotide]] = []
-    before: Residue | None = None
-    for residue, base in nucleotides:
-        if (
-            before is None
-            or residue.segindex != before.segindex
-            or chain_name(residue) != chain_name(before)
-            or residue.resid < before.resid
-            or (by_ends and "P" not in residue.atoms.names)
-        ):
-            strands.append([])
-        strands[-1].append((residue, base))
-        before = residue
-    return strands
-
-
-def _align(
-    strand_I: list[Nucleotide], strand_II: list[Nucleotide]
-) -> list[tuple[Nucleotide, Nucleotide]]:
-    """Return the antiparallel overlap that has the most complementary pairs."""
-    best: list[tuple[Nucleotide, Nucleotide]] = []
-    best_matches = 0
-    for sum_of_indices in range(len(strand_I) + len(strand_II) - 1):
-        overlap = [
-            (strand_I[i], strand_II[sum_of_indices - i])
-            for i in range(len(strand_I))
-            if 0 <= sum_of_indices - i < len(strand_II)
-        ]
-        matches = sum((a[1].letter, b[1].letter) in _COMPLEMENTARY for a, b in overlap)
-        if matches > best_matches:
-            best, best_matches = overlap, matches
-    if 2 * best_matches <= min(len(strand_I), len(strand_II)):
-        raise InputError(
-            f"the strands {_spell(strand_I)} and {_spell(strand_II)} (both 5' to 3') are not"
-            " complementary; give the list of base pairs"
-        )
-    return best
-
-
-def _spell(strand: list[Nucleotide]) -> str:
-    return "".join(base.letter for _, base in strand)
-
-
-def _named_pairs(
-    nucleotides: list[Nucleotide], pairs: Sequence[tuple[str, str]]
-) -> list[tuple[Nucleotide, Nucleotide]]:
-    def named(label: str) -> Nucleotide:
-        found = [nucleotide for nucleotide in nucleotides if nucleotide[1].label == label]
-        if len(found) != 1:
+def _refuse_backwards(bases: Bases, duplexes: Sequence[Pairing]) -> None:
+    for duplex in duplexes:
+        forwards = [there[0] > here[0] for here, there in pairwise(duplex)]
+        if forwards and 2 * sum(forwards) < len(forwards):
+            start, end = (bases.bases[duplex[place][0]].label for place in (0, -1))
             raise InputError(
-                f"base pairs: {len(found)} nucleotides are called {label!r};"
-                ' one is needed, as chain and residue number such as "A:1"'
+                f"base pairs: the list goes along strand I from {start} to {end}, 3' to 5';"
+                " list it from 5' to 3'"
             )
-        return found[0]
-
-    return [(named(first), named(second)) for first, second in pairs]
 
 
-def _check_distances(group: AtomGroup, chosen: list[tuple[Nucleotide, Nucleotide]]) -> None:
-    if not chosen:
-        raise InputError("base pairs: the list is empty")
-    places = group.universe.atoms.positions
-    distances_A = np.array(
-        [
-            np.linalg.norm(places[sugar_index(first[0])] - places[sugar_index(second[0])])
-            for first, second in chosen
-        ]
-    )
-    worst = int(np.argmax(distances_A))
-    median_A = float(np.median(distances_A))
-    low, high = _USUAL_DISTANCE_A
-    if distances_A[worst] > _ABSURD_DISTANCE_A or not low < median_A < high:
-        first, second = chosen[worst]
+def _refuse_apart(bases: Bases, duplex: Pairing) -> None:
+    distances_A = _sugar_distances_A(bases, duplex)
+    known = distances_A[np.isfinite(distances_A)]
+    if not len(known):
+        return
+    worst = int(np.nanargmax(distances_A))
+    median_A = float(np.median(known))
+    low, high = SUGARS_A
+    if distances_A[worst] > ABSURD_A or not low < median_A < high:
+        one, other = duplex[worst]
         raise InputError(
             f"the strands do not lie side by side: C1'-C1' is {distances_A[worst]:.1f} Å in pair"
-            f" {first[1].label}-{second[1].label}, {median_A:.1f} Å in the median (10.5 Å in"
-            " Watson-Crick pairs); make the molecules whole in one periodic image, or correct"
-            " the list of base pairs"
+            f" {bases.bases[one].label}-{bases.bases[other].label}, {median_A:.1f} Å in the median;"
+            f" allowed are {low:g} to {high:g} Å in the median and {ABSURD_A:g} Å in any pair;"
+            " make the molecules whole in one periodic image (or give the file its box), or"
+            " correct the list of base pairs"
         )
+
+
+def _sugar_distances_A(bases: Bases, duplex: Pairing) -> np.ndarray:
+    first, second = (list(column) for column in zip(*duplex, strict=True))
+    sugars = bases.sugars()
+    return np.linalg.norm(bases.between(sugars[first], sugars[second]), axis=1)
+
+
+def _why_none(
+    bases: Bases, nucleotides: Sequence[Nucleotide], strands: Sequence[Sequence[int]]
+) -> str:
+    """Return what is missing where no duplex was found."""
+    found = ", ".join(
+        f"{bases.bases[strand[0]].label} to {bases.bases[strand[-1]].label}" for strand in strands
+    )
+    remedy = "select the duplex, or give the list of base pairs"
+    if len(strands) == 1:
+        return (
+            f"a duplex has two strands, but one strand is here ({found}) and it does not pair"
+            f" with itself; {remedy}"
+        )
+    for one, other in combinations(strands, 2):
+        register = _complement(bases, one, other)
+        if register:
+            median_A = float(np.nanmedian(_sugar_distances_A(bases, register)))
+            return (
+                f"the strands {spell(nucleotides, one)} and {spell(nucleotides, other)} are"
+                f" complementary, but do not lie side by side: C1'-C1' is {median_A:.1f} Å in the"
+                f" median, allowed are {SUGARS_A[0]:g} to {SUGARS_A[1]:g} Å; make the molecules"
+                " whole in one periodic image (or give the file its box), or give the list of"
+                " base pairs"
+            )
+    return f"no two of the strands ({found}) are complementary; {remedy}"
+
+
+def _complement(bases: Bases, one: Sequence[int], other: Sequence[int]) -> Pairing:
+    """Return the antiparallel overlap of two strands with the most complementary pairs.
+
+    Empty where these are not more than half of the shorter strand.
+    """
+    letters = [base.letter for base in bases.bases]
+    best: Pairing = []
+    most = min(len(one), len(other)) / 2
+    for offset in range(len(one) + len(other) - 1):
+        places = range(max(0, offset - len(other) + 1), min(len(one), offset + 1))
+        overlap = [(one[place], other[offset - place]) for place in places]
+        matches = sum(complementary(letters[a], letters[b]) for a, b in overlap)
+        if matches > most:
+            best, most = overlap, matches
+    return best
