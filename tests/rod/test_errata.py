@@ -26,6 +26,10 @@ def table() -> str:
         "65 and 50 nm",  # D/kT and D3/kT at 300 K
         "659 Da per base pair",  # 3.22e-15 kg/m times 3.4 Å
         "5.79 instead of 8.19 Å/ps",  # 8.19/sqrt 2
+        "up to 0.9999 of the size",  # eq. 46 as printed, on the branches k + Ω₀ and k - Ω₀
+        "by less than 1e-11",  # eq. 46 corrected: round-off, 1e-12
+        "differ by less than 1e-13",  # the gauge: round-off, 1e-15
+        "k = 0.077 rad/Å",  # 2 pi/(24 x 3.4 Å)
     ],
 )
 def test_numbers_of_the_paper_come_out(table: str, number: str) -> None:

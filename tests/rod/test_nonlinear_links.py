@@ -13,10 +13,11 @@ from scipy.spatial.transform import Rotation
 from dnawaves.errors import InputError, SimulationError
 from dnawaves.rod.chain import SequenceChain
 from dnawaves.rod.dispersion import dispersion
+from dnawaves.rod.limits import long_wave_speeds_A_per_ps
 from dnawaves.rod.nonlinear.chain import NonlinearChain
 from dnawaves.rod.nonlinear.energy import energy, gradient, potential_energy
 from dnawaves.rod.nonlinear.state import State
-from dnawaves.rod.rod import Rod, long_wave_speeds_A_per_ps
+from dnawaves.rod.rod import Rod
 from dnawaves.rod.sequence import StepSequence, body_mass
 
 PAPER = Rod.paper()

@@ -227,7 +227,7 @@ def test_impossible_chains_and_kicks_are_refused() -> None:
         FiniteChain(PAPER, 1)
     with pytest.raises(InputError, match="mass_blocks"):
         FiniteChain(PAPER, 4, mass_blocks=np.ones((3, 6, 6)))
-    with pytest.raises(InputError, match="masses of the chain"):
+    with pytest.raises(InputError, match="mass of a base pair"):
         FiniteChain(PAPER, 4, mass_blocks=-np.eye(6))
     with pytest.raises(InputError, match="link stiffness"):
         ScalarChain(np.ones(4), [1.0, -1.0, 1.0])

@@ -9,6 +9,7 @@ import pytest
 
 from dnawaves.errors import InputError
 from dnawaves.rod.dispersion import dispersion
+from dnawaves.rod.limits import long_wave_speeds_A_per_ps
 from dnawaves.rod.rod import (
     BEND_1,
     BEND_2,
@@ -17,7 +18,6 @@ from dnawaves.rod.rod import (
     TWIST,
     Rod,
     cross_matrix,
-    long_wave_speeds_A_per_ps,
     short_wave_speeds_A_per_ps,
 )
 from dnawaves.units import BOLTZMANN_KJ_PER_MOL_K

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from dnawaves.errors import InputError
 from dnawaves.rod.chain import FiniteChain
 from dnawaves.rod.dispersion import bend_shear_branches
-from dnawaves.rod.finite_rod import MOTIONS, End, FiniteRod
+from dnawaves.rod.finite_rod import COORDINATE_SETS, End, FiniteRod
 from dnawaves.rod.half_waves import PAIRINGS, half_wave_table
 from dnawaves.rod.rod import Rod, short_wave_speeds_A_per_ps
 
@@ -55,7 +55,7 @@ def coupled_rod(seed: int) -> Rod:
 
 @pytest.mark.parametrize(("first", "last", "pairs"), TIMOSHENKO)
 def test_bends_of_the_paper_between_all_ends(first: End, last: End, pairs: int) -> None:
-    rod = FiniteRod(PAPER, pairs * 0.34, (first, last), MOTIONS["bend"])
+    rod = FiniteRod(PAPER, pairs * 0.34, (first, last), COORDINATE_SETS["bend"])
     lowest = rod.frequencies_rad_per_ps(3) * GHZ_PER_RAD_PER_PS
     # the reference is rounded to three digits (0.5 % at worst), to 0.01 GHz below 1 GHz
     assert lowest == pytest.approx(TIMOSHENKO[first, last, pairs], rel=0.005, abs=0.005)
@@ -75,7 +75,7 @@ def test_extension_and_twist_are_whole_or_odd_half_waves(
         assert first == pytest.approx(expected, rel=0.003)
         for ends in PAIRINGS:
             fixed = [end == "held" or (end == "pinned" and wave == "extension") for end in ends]
-            rod = FiniteRod(PAPER, length, ends, MOTIONS[wave])
+            rod = FiniteRod(PAPER, length, ends, COORDINATE_SETS[wave])
             assert rod.zero_modes == (not any(fixed))
             found = rod.frequencies_rad_per_ps(8) * GHZ_PER_RAD_PER_PS
             # round-off of the dynamic stiffness
@@ -110,7 +110,7 @@ def boundary_determinants(w: np.ndarray, length: float, ends: tuple[End, End]) -
 @pytest.mark.parametrize("pairs", [12, 30])
 def test_bends_are_the_roots_of_the_boundary_determinant(ends: tuple[End, End], pairs: int) -> None:
     length = pairs * 0.34
-    found = FiniteRod(PAPER, length, ends, MOTIONS["bend"]).frequencies_rad_per_ps(20)
+    found = FiniteRod(PAPER, length, ends, COORDINATE_SETS["bend"]).frequencies_rad_per_ps(20)
     assert found[-1] > 1.2 * CUT_OFF
     # fine beside the smallest gap between frequencies
     grid = np.linspace(0.3 * found[0], (found[-2] + found[-1]) / 2, 20001)
@@ -219,7 +219,7 @@ def _turned(rod: Rod) -> Rod:
 
 def test_shapes_are_mass_normalised_and_make_the_static_curve_of_a_clamped_bar() -> None:
     length, points = 50.0, 100
-    rod = FiniteRod(PAPER, length, ("held", "free"), MOTIONS["bend"])
+    rod = FiniteRod(PAPER, length, ("held", "free"), COORDINATE_SETS["bend"])
     frequencies, shapes = rod.modes(3, points)
     weight = np.full(points + 1, length / points)
     weight[[0, -1]] /= 2
@@ -282,7 +282,9 @@ def test_stiff_shear_makes_the_bar_of_rayleigh(shear_factor: float) -> None:
     stiffness = PAPER.stiffness.copy()
     stiffness[[0, 1], [0, 1]] *= shear_factor
     rod = replace(PAPER, stiffness=stiffness)
-    found = FiniteRod(rod, 8.0, ("pinned", "pinned"), MOTIONS["bend"]).frequencies_rad_per_ps(4)
+    found = FiniteRod(
+        rod, 8.0, ("pinned", "pinned"), COORDINATE_SETS["bend"]
+    ).frequencies_rad_per_ps(4)
     q = np.arange(1, 5) * np.pi / 8.0
     branches = bend_shear_branches(rod, np.append(0.0, q), lattice=False)
     # round-off: the stiffness of the parts exceeds that of the bend by shear_factor (8 nm/part)^2
@@ -291,7 +293,9 @@ def test_stiff_shear_makes_the_bar_of_rayleigh(shear_factor: float) -> None:
 
 def test_a_rod_without_rise_keeps_its_bend_and_shear_apart() -> None:
     flat = replace(PAPER, gamma0=np.zeros(3))
-    found = FiniteRod(flat, 8.0, ("held", "held"), MOTIONS["bend"]).frequencies_rad_per_ps(10)
+    found = FiniteRod(flat, 8.0, ("held", "held"), COORDINATE_SETS["bend"]).frequencies_rad_per_ps(
+        10
+    )
     speeds = np.array([PAPER.stiffness[0, 0] / 1, PAPER.stiffness[4, 4] / 1])
     speeds = np.sqrt(speeds / [PAPER.density_Da_per_nm, PAPER.inertia_Da_nm[0, 0]])
     rule = np.sort(np.outer(np.arange(1, 11) * np.pi / 8.0, speeds).ravel())
@@ -299,7 +303,9 @@ def test_a_rod_without_rise_keeps_its_bend_and_shear_apart() -> None:
     assert found == pytest.approx(rule[:10], rel=1e-10)
     # rise 1e-9 is the same rod
     nearly = replace(PAPER, gamma0=np.array([0, 0, 1e-9]))
-    close = FiniteRod(nearly, 8.0, ("held", "held"), MOTIONS["bend"]).frequencies_rad_per_ps(10)
+    close = FiniteRod(
+        nearly, 8.0, ("held", "held"), COORDINATE_SETS["bend"]
+    ).frequencies_rad_per_ps(10)
     assert close == pytest.approx(found, rel=1e-9)
 
 
@@ -309,6 +315,6 @@ def test_impossible_rods_are_refused() -> None:
     with pytest.raises(InputError, match="ends"):
         FiniteRod(PAPER, 1.0, ("free", "clamped"))  # type: ignore[arg-type]
     with pytest.raises(InputError, match="coupled to others"):
-        FiniteRod(Rod.paper(twisted=True), 1.0, ("free", "free"), MOTIONS["bend"])
+        FiniteRod(Rod.paper(twisted=True), 1.0, ("free", "free"), COORDINATE_SETS["bend"])
     with pytest.raises(InputError, match="at least one"):
         FiniteRod(PAPER, 1.0, ("free", "free")).frequencies_rad_per_ps(0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -173,6 +174,52 @@ def test_a_bend_converts_extension_into_bending_and_a_straight_rod_does_not() ->
         # what bending turns into extension: the same matrix read the other way (reciprocity)
         back = found.between("transverse", "extension")
         assert sum(back) * 2 == pytest.approx(converted, rel=1e-9)
+
+
+STRETCH, WAVELENGTHS = 10, (48, 24, 12, 6)
+SCATTERING_TABLE = """\
+| stretch of 10 base-pair steps | flux | 48 bp | 24 bp | 12 bp | 6 bp |
+| --- | --- | --- | --- | --- | --- |
+"""
+
+
+def scattering_table() -> str:
+    """The table of docs/theory.md: extension of some wavelengths meets a soft or a bent stretch."""
+    soft = replace(PAPER, stiffness=PAPER.stiffness / 2)
+    softer = StepSequence.uniform(PAPER, STRETCH + 1).with_steps(slice(0, STRETCH), soft)
+    bends = (18, 45, 90)
+    stretches = {"half as stiff": softer}
+    stretches |= {f"bent by {degrees}°": bent_segment(STRETCH, degrees) for degrees in bends}
+    rows = []
+    for name, stretch in stretches.items():
+        found = []
+        for pairs in WAVELENGTHS:
+            # 2 V/a sin(ka/2) of a wave of so many base pairs
+            frequency = 2 * np.sqrt(SPRING / MASS) * np.sin(np.pi / pairs)
+            one = scatter(PAPER, stretch, PAPER, frequency)
+            converted = sum(one.between("extension", "transverse"))
+            found.append([*one.between("extension", "extension"), converted])
+        for flux, values in zip(
+            ("reflected", "transmitted", "into bend"), np.transpose(found), strict=True
+        ):
+            rows.append([name, flux, *(f"{value:.3f}" for value in values)])
+    return SCATTERING_TABLE + "".join(f"| {' | '.join(row)} |\n" for row in rows)
+
+
+def test_the_documentation_quotes_what_a_soft_and_a_bent_stretch_do() -> None:
+    page = Path(__file__).parents[2] / "docs" / "theory.md"
+    assert scattering_table() in page.read_text(encoding="utf-8")
+
+
+def test_a_softer_stretch_reflects_a_ninth_of_a_long_wave_at_most() -> None:
+    soft = replace(PAPER, stiffness=PAPER.stiffness / 2)
+    quarter = 200
+    stretch = StepSequence.uniform(PAPER, quarter + 1).with_steps(slice(0, quarter), soft)
+    # a quarter of a wave on 200 base pairs of half the stiffness
+    frequency = np.sqrt(SPRING / MASS / 2) * np.pi / 2 / quarter
+    reflected, _ = scatter(PAPER, stretch, PAPER, frequency).between("extension", "extension")
+    # ((1 - 1/2)/(1 + 1/2))^2 of the continuous rod; ends of the stretch are sharp to 1/400
+    assert reflected == pytest.approx(1 / 9, rel=1e-3)
 
 
 def test_a_slight_bend_converts_as_the_square_of_its_angle() -> None:

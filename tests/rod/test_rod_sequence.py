@@ -319,7 +319,7 @@ def test_impossible_sequences_are_refused() -> None:
         sequence.with_steps(slice(0, 1), replace(PAPER, spacing_nm=0.3))
     with pytest.raises(InputError, match="not in a chain"):
         sequence.with_bound(4, body_mass(100.0))
-    with pytest.raises(InputError, match="masses of the chain"):
+    with pytest.raises(InputError, match="mass of a base pair"):
         sequence.with_bound(0, body_mass(-1e6))
     with pytest.raises(InputError, match="not in a chain"):
         FiniteChain(PAPER, 4, pinned=(7,))

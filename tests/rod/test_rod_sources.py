@@ -18,7 +18,7 @@ from dnawaves.errors import InputError
 from dnawaves.frames.fit import Frames, fit_frames
 from dnawaves.frames.parameters import pair_parameters
 from dnawaves.frames.standard import standard_ring
-from dnawaves.rod.constants import RodConstants, read_rod, rod_from_constants
+from dnawaves.rod.constants import read_rod, rod_from_constants
 from dnawaves.rod.dispersion import dispersion
 from dnawaves.rod.measured import (
     MassPerLength,
@@ -73,13 +73,14 @@ def test_a_stiffness_matrix_stands_for_the_four_stiffnesses_and_adds_couplings()
 @pytest.mark.parametrize(
     ("change", "messages"),
     [
-        ({"density_Da_per_nm": -1939}, ["density_Da_per_nm", "-1939", "500 to 8000 Da/nm"]),
-        ({"density_Da_per_nm": 3.22e-15}, ["found 3.22e-15", "500 to 8000 Da/nm"]),
-        ({"inertia_Da_nm": [24269, 24269, 48538]}, ["inertia_Da_nm", "24269", "5000 Da nm"]),
+        ({"density_Da_per_nm": -1939}, ["density_Da_per_nm", "-1939", "500 to 900 Da a base pair"]),
+        ({"density_Da_per_nm": 3.22e-15}, ["found 3.22e-15", "500 to 900 Da a base pair"]),
+        ({"inertia_Da_nm": [24269, 24269, 48538]}, ["inertia_Da_nm", "24269", "1.5 to 10 A"]),
+        ({"inertia_Da_nm": [243, 243, 500]}, ["243, 243, 500", "sum of the other two"]),
         ({"inertia_Da_nm": [243, 243]}, ["inertia_Da_nm", "three moments"]),
-        ({"shear_pN": 8.16e-10}, ["shear_pN", "30 to 20000 pN"]),
+        ({"shear_pN": 8.16e-10}, ["shear_pN", "90 to 3400 pN"]),
         ({"extension_pN": 2.16}, ["extension_pN", "found 2.16", "pN"]),
-        ({"bend_pN_nm2": [270, 27000]}, ["bend_pN_nm2", "found 27000", "3000 pN nm^2"]),
+        ({"bend_pN_nm2": [270, 27000]}, ["bend_pN_nm2", "found 27000", "828 pN nm^2"]),
         ({"spacing_A": 0.34}, ["spacing_A", "found 0.34", "2 to 5 A"]),
         ({"omega0_rad_per_nm": [0, 0, 0.176]}, ["omega0_rad_per_nm", "rad/nm"]),
         ({"omega0_rad_per_nm": None, "twist_deg_per_bp": 0.6}, ["found 0.6", "degrees"]),
@@ -87,7 +88,8 @@ def test_a_stiffness_matrix_stands_for_the_four_stiffnesses_and_adds_couplings()
         ({"gamma0": [0, 0, 3.4]}, ["gamma0", "0.5 to 1.5"]),
         ({"centre_A": [12, 0, 0]}, ["centre_A", "up to 5 A"]),
         ({"shear_pN": None}, ["found no shear_pN"]),
-        ({"stiffness": np.eye(6).tolist()}, ["the matrix alone"]),
+        ({"stiffness": np.diag([816, 816, 2160, 270, 270, 206]).tolist()}, ["the matrix alone"]),
+        ({"stiffness": np.eye(3).tolist()}, ["stiffness", "six rows of six numbers"]),
         ({"poisson_ratio": 0.3}, ["poisson_ratio", "no such constant", "shear_pN"]),
         ({"shear_pN": "stiff"}, ["shear_pN", "'stiff'"]),
     ],
@@ -106,36 +108,69 @@ def test_a_coupling_beyond_what_is_stable_and_a_wrong_diagonal_are_named() -> No
     with pytest.raises(InputError, match="not positive definite"):
         rod_from_constants({**few, "stiffness": matrix.tolist()})
     matrix = np.diag([816.0, 816, 2160, 270, 270, 2.06])
-    with pytest.raises(InputError, match=r"element 6: found 2\.06; allowed: 50 to 3000"):
+    with pytest.raises(
+        InputError, match=r"found 2\.06; allowed: element 6 of the diagonal, 83 to 828"
+    ):
         rod_from_constants({**few, "stiffness": matrix.tolist()})
 
 
-def test_every_constant_that_was_measured_for_dna_is_plausible() -> None:
-    # shear/slide 354 to 567, stretch 1000 to 12900, bend 155 to 287, twist 206 to 400 pN, pN nm^2
-    for extension, shear, bend, twist in (
-        (1000, [354, 567], [155, 287], 400),
-        (12900, 800, 270, 206),
-    ):
-        RodConstants.model_validate(
-            {
-                **CONSTANTS,
-                "extension_pN": extension,
-                "shear_pN": shear,
-                "bend_pN_nm2": bend,
-                "twist_pN_nm2": twist,
-                # base pairs of 355D, 1.02 to 13.6e-34 kg m
-                "inertia_Da_nm": [776, 61.4, 819],
-            }
-        )
+# pN and pN nm^2: shear/slide 354 to 816, stretch 1000 to 2160, bend 155 to 287, twist 206 to 410;
+# inertia of the base pairs of 355D and of the paper
+PUBLISHED = {
+    "extension_pN": [1000, 1087, 2160],
+    "shear_pN": [[354, 567], 816],
+    "bend_pN_nm2": [[155, 287], 206, 270],
+    "twist_pN_nm2": [206, 233, 410],
+    "density_Da_per_nm": [1812, 1939],
+    "inertia_Da_nm": [[776, 61.4, 819], [242.692, 242.692, 485.384]],
+    "spacing_A": [3.4],
+    "twist_deg_per_bp": [32.7, 36.0],
+}
+
+
+@pytest.mark.parametrize("name", PUBLISHED)
+def test_what_is_published_passes_and_a_power_of_ten_from_it_does_not(name: str) -> None:
+    others = {key: CONSTANTS[key] for key in CONSTANTS if key != "omega0_rad_per_nm"}
+    for value in PUBLISHED[name]:
+        rod_from_constants({**others, name: value})
+        for power in (1e-3, 1e-1, 1e1, 1e3):
+            with pytest.raises(InputError, match=name):
+                rod_from_constants({**others, name: (power * np.array(value)).tolist()})
+
+
+def test_a_slip_in_one_moment_of_inertia_is_no_body_or_too_small_or_too_wide() -> None:
+    for axis, power in ((0, 0.1), (0, 10), (1, 0.1), (2, 0.1), (2, 10)):
+        moments = np.array([776, 61.4, 819])
+        moments[axis] *= power
+        with pytest.raises(InputError, match="inertia_Da_nm"):
+            rod_from_constants({**CONSTANTS, "inertia_Da_nm": moments.tolist()})
+    # ten times the least is a cylinder's, which cannot be told from a slip
+    rod_from_constants({**CONSTANTS, "inertia_Da_nm": [776, 614, 819]})
+
+
+def test_unusual_constants_are_taken_if_they_are_said_to_be_but_impossible_ones_are_not() -> None:
+    # 12.9 nN: a duplex without solvent, stretched before it could relax
+    stiff = {**CONSTANTS, "extension_pN": 12900}
+    with pytest.raises(InputError, match="unusual: true"):
+        rod_from_constants(stiff)
+    assert rod_from_constants({**stiff, "unusual": True}).stiffness[2, 2] == pytest.approx(
+        12900 / 1.66054, rel=1e-5
+    )
+    for impossible in ({"inertia_Da_nm": [243, 243, 500]}, {"density_Da_per_nm": -1}):
+        with pytest.raises(InputError, match=next(iter(impossible))):
+            rod_from_constants({**CONSTANTS, **impossible, "unusual": True})
 
 
 def test_a_file_that_is_no_rod_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "rod.yaml"
     path.write_text("- 1\n- 2\n")
-    with pytest.raises(InputError, match="found no mapping; allowed: density_Da_per_nm"):
+    with pytest.raises(InputError, match=r"found no mapping; allowed: .*density_Da_per_nm"):
         read_rod(path)
-    with pytest.raises(InputError, match="cannot be read as YAML"):
+    with pytest.raises(InputError, match="no such file"):
         read_rod(tmp_path / "none.yaml")
+    path.write_text("density: [1\n")
+    with pytest.raises(InputError, match="cannot be read as YAML"):
+        read_rod(path)
 
 
 def screw(six: np.ndarray) -> np.ndarray:

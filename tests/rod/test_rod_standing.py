@@ -150,6 +150,17 @@ def test_bends_below_the_cut_off_are_pure_and_shear_waves_lie_above_it() -> None
     assert held.share > 0.95
 
 
+def test_where_the_upper_branch_falls_bend_and_shear_are_not_told_apart() -> None:
+    inertia, stiffness = PAPER.inertia_Da_nm / 100, PAPER.stiffness.copy()
+    stiffness[[0, 1], [0, 1]] *= 100
+    slender = replace(PAPER, inertia_Da_nm=inertia, stiffness=stiffness)
+    cut_off, edge = bend_shear_branches(slender, [0.0, np.pi / 0.34], lattice=True)[:, 1]
+    # I/rho + D/C = 0.0046 nm^2 is less than (a/2)^2 = 0.029 nm^2
+    assert edge < cut_off
+    with pytest.raises(InputError, match="upper branch falls"):
+        bend_standing_wave(slender, 12, 1, "held")
+
+
 def test_a_kick_in_the_shape_of_a_bend_stays_in_that_shape() -> None:
     wave = bend_standing_wave(PAPER, 12, 1, "held")
     chain = PlaneChain(PAPER, 12, (0, -1))

@@ -4,11 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, NamedTuple, Self
 
 import numpy as np
 import yaml
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidationInfo,
+    model_validator,
+)
 
 from dnawaves.errors import InputError
 from dnawaves.rod.rod import FloatArray, Rod
@@ -17,53 +25,98 @@ from dnawaves.units import A_PER_NM, KJ_PER_MOL_PER_PN_NM
 Three = tuple[float, float, float]
 Matrix = tuple[Three, Three, Three]
 Six = tuple[float, float, float, float, float, float]
+Rows = tuple[Six, Six, Six, Six, Six, Six]
 STIFFNESS_FIELDS = ("shear_pN", "extension_pN", "bend_pN_nm2", "twist_pN_nm2")
 
-# What DNA can have, some 5 times to either side of what theory, experiment and simulation give:
-# wide enough for another force field, too narrow for a power of ten in a unit. Forces up to the
-# 13 nN of a stretched duplex without solvent.
-DENSITY = (500.0, 8000.0, "Da/nm")
-INERTIA = (15.0, 5000.0, "Da nm")
-SHEAR = (30.0, 2e4, "pN")
-EXTENSION = (100.0, 1e5, "pN")
-ANGULAR = (50.0, 3000.0, "pN nm^2")
-SPACING = (2.0, 5.0, "A")
-TWIST = (10.0, 60.0, "degrees either way, or 0")
-OMEGA = (0.4, 5.0, "rad/nm in all, or 0")
+
+class Allowed(NamedTuple):
+    """What a constant may be: how many numbers, in which range and unit."""
+
+    numbers: str
+    low: float
+    high: float
+    unit: str
+
+    def __str__(self) -> str:
+        limits = f"{self.low:g} to {self.high:g} {self.unit}"
+        return f"{self.numbers}, {limits}" if self.numbers else limits
 
 
-def _plausible(limits: tuple[float, float, str]) -> AfterValidator:
-    low, high, unit = limits
+# A base pair weighs 616 Da without ions, 662 with sodium, 882 with caesium.
+PAIR_MASS = Allowed("", 500.0, 900.0, "Da a base pair")
+# Radius of gyration. No mass lies much further out than the duplex's radius, 10 A. The least one
+# measured is 1.8 A, that of a base pair about its long axis (crystal 355D).
+GYRATION = Allowed("three moments or a matrix, radii of gyration", 1.5, 10.0, "A")
+# Wide enough for what is published, narrow enough that a tenth of any of it, or ten times as much,
+# lies outside. Stretch: 1000 to 1200 pN in optical tweezers (Smith et al., Science 271, 795 (1996):
+# 1087), 2160 in the paper. Shear: 354 to 567 pN in simulations, 816 in the paper. Bend and twist:
+# persistence lengths of 20 to 200 nm at 300 K; 155 to 290 pN nm^2 for bend, 206 (the paper) to 410
+# (Bryant et al., Nature 424, 338 (2003)) for twist.
+SHEAR = Allowed("one number or two", 90.0, 3400.0, "pN")
+EXTENSION = Allowed("one number", 300.0, 9000.0, "pN")
+BEND = Allowed("one number or two", 83.0, 828.0, "pN nm^2")
+TWIST_STIFFNESS = BEND._replace(numbers="one number")
+SPACING = Allowed("one number", 2.0, 5.0, "A")
+TURN = Allowed("one number", 10.0, 60.0, "degrees either way, or 0")
+OMEGA = Allowed("three numbers", 0.4, 5.0, "rad/nm in all, or 0")
+MATRIX = "six rows of six numbers, in pN, pN nm and pN nm^2"
+UNUSUAL = "`unusual: true` lifts the ranges"
 
-    def check(value: Any) -> Any:
-        array = np.asarray(value, dtype=float)
-        # of a matrix only the diagonal has a size of its own
-        for number in np.diag(array) if array.ndim == 2 else np.ravel(array):
-            if not low <= number <= high:
-                raise ValueError(f"found {number:g}; allowed: {low:g} to {high:g} {unit}")
+
+def _check(found: Any, size: float, allowed: Allowed, info: ValidationInfo) -> None:
+    if not (info.data.get("unusual") or allowed.low <= size <= allowed.high):
+        raise ValueError(f"found {found}; allowed: {allowed}; {UNUSUAL}")
+
+
+def _within(allowed: Allowed) -> AfterValidator:
+    def check(value: Any, info: ValidationInfo) -> Any:
+        for number in np.ravel(value):
+            _check(f"{number:g}", number, allowed, info)
         return value
 
     return AfterValidator(check)
 
 
-def _twist_or_none(value: float) -> float:
-    _check_turn(abs(value), value, TWIST)
+def _turns(allowed: Allowed) -> AfterValidator:
+    def check(value: Any, info: ValidationInfo) -> Any:
+        if np.any(value):
+            _check(value, float(np.linalg.norm(value)), allowed, info)
+        return value
+
+    return AfterValidator(check)
+
+
+def _weighs_as_a_base_pair(value: float, info: ValidationInfo) -> float:
+    if "spacing_A" in info.data:
+        mass = value * info.data["spacing_A"] / A_PER_NM
+        _check(f"{value:g} Da/nm, {mass:g} Da a base pair", mass, PAIR_MASS, info)
     return value
 
 
-def _turn_or_none(value: Three) -> Three:
-    _check_turn(float(np.linalg.norm(value)), value, OMEGA)
+def _is_of_a_body(value: Three | Matrix, info: ValidationInfo) -> Three | Matrix:
+    matrix = np.array(value, dtype=float)
+    moments = np.linalg.eigvalsh(matrix) if matrix.ndim == 2 else np.sort(matrix)
+    if moments[0] <= 0 or moments[2] > moments[0] + moments[1]:
+        raise ValueError(
+            f"found principal moments {', '.join(f'{one:g}' for one in moments)}; allowed: "
+            "positive ones, the largest not above the sum of the other two, as of any body"
+        )
+    if info.data.get("density_Da_per_nm", 0) > 0:
+        for radius in A_PER_NM * np.sqrt(moments / info.data["density_Da_per_nm"]):
+            _check(f"{value}, a radius of {radius:.3g} A", radius, GYRATION, info)
     return value
 
 
-def _check_turn(size: float, found: object, limits: tuple[float, float, str]) -> None:
-    low, high, unit = limits
-    if size != 0 and not low <= size <= high:
-        raise ValueError(f"found {found}; allowed: {low:g} to {high:g} {unit}")
+def _has_a_diagonal_of_dna(value: tuple[Six, ...], info: ValidationInfo) -> tuple[Six, ...]:
+    limits = [SHEAR, SHEAR, EXTENSION, BEND, BEND, TWIST_STIFFNESS]
+    for index, allowed in enumerate(limits):
+        number, element = value[index][index], f"element {index + 1} of the diagonal"
+        _check(f"{number:g}", number, allowed._replace(numbers=element), info)
+    return value
 
 
 class RodConstants(BaseModel):
-    """The constants of a rod, each in the range that DNA can have.
+    """The constants of a rod, each in the range that DNA can have unless it is `unusual`.
 
     Transverse constants are one number for both axes or one for each; axis 1 points into the major
     groove, axis 2 along the base pair, axis 3 along the rod. A rod with couplings gives `stiffness`
@@ -72,40 +125,46 @@ class RodConstants(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
-    density_Da_per_nm: Annotated[float, _plausible(DENSITY)] = Field(
+    unusual: bool = Field(
+        False, description="true or false: take constants that no DNA is known to have"
+    )
+    spacing_A: Annotated[float, _within(SPACING)] = Field(
+        3.4, description="distance between base pairs along the rod"
+    )
+    density_Da_per_nm: Annotated[float, AfterValidator(_weighs_as_a_base_pair)] = Field(
         description="mass per length: 1934 is 3.21e-15 kg/m"
     )
-    inertia_Da_nm: Annotated[Three | Matrix, _plausible(INERTIA)] = Field(
+    inertia_Da_nm: Annotated[Three | Matrix, AfterValidator(_is_of_a_body)] = Field(
         description="inertia per length about the centre of mass, three moments about the axes or "
         "a matrix: 243 is 4.03e-34 kg m"
     )
-    spacing_A: Annotated[float, _plausible(SPACING)] = Field(
-        3.4, description="distance between base pairs along the rod"
-    )
-    shear_pN: Annotated[float | tuple[float, float], _plausible(SHEAR)] | None = Field(
+    shear_pN: Annotated[float | tuple[float, float], _within(SHEAR)] | None = Field(
         None, description="shear stiffness: 816 is 8.16e-10 N"
     )
-    extension_pN: Annotated[float, _plausible(EXTENSION)] | None = Field(
+    extension_pN: Annotated[float, _within(EXTENSION)] | None = Field(
         None, description="stretch stiffness"
     )
-    bend_pN_nm2: Annotated[float | tuple[float, float], _plausible(ANGULAR)] | None = Field(
+    bend_pN_nm2: Annotated[float | tuple[float, float], _within(BEND)] | None = Field(
         None, description="bend stiffness: 270 is 2.7e-28 N m^2, a persistence length of 65 nm"
     )
-    twist_pN_nm2: Annotated[float, _plausible(ANGULAR)] | None = Field(
+    twist_pN_nm2: Annotated[float, _within(TWIST_STIFFNESS)] | None = Field(
         None, description="twist stiffness"
     )
-    stiffness: tuple[Six, Six, Six, Six, Six, Six] | None = Field(
+    stiffness: Annotated[Rows, AfterValidator(_has_a_diagonal_of_dna)] | None = Field(
         None, description="all of it: pN, off-diagonal blocks pN nm, lower right pN nm^2"
     )
-    twist_deg_per_bp: Annotated[float, AfterValidator(_twist_or_none)] | None = Field(
+    twist_deg_per_bp: Annotated[float, _turns(TURN)] | None = Field(
         None, description="intrinsic twist about the rod's axis"
     )
-    omega0_rad_per_nm: Annotated[Three, AfterValidator(_turn_or_none)] | None = Field(
+    omega0_rad_per_nm: Annotated[Three, _turns(OMEGA)] | None = Field(
         None, description="intrinsic rotation per length, for a rod that is also bent"
     )
-    gamma0: Three = Field((0.0, 0.0, 1.0), description="intrinsic d(position)/d(arc length)")
+    gamma0: Three = Field(
+        (0.0, 0.0, 1.0), description="intrinsic d(position)/d(arc length), three numbers"
+    )
     centre_A: Three = Field(
-        (0.0, 0.0, 0.0), description="centre of mass from the origin of the base-pair frame"
+        (0.0, 0.0, 0.0),
+        description="centre of mass from the origin of the base-pair frame, three numbers",
     )
 
     @model_validator(mode="after")
@@ -119,32 +178,20 @@ class RodConstants(BaseModel):
         if self.stiffness is None and len(given) < len(STIFFNESS_FIELDS):
             missing = [name for name in STIFFNESS_FIELDS if name not in given]
             raise ValueError(f"found no {', '.join(missing)}; allowed: all four, or stiffness")
-        if self.stiffness is not None:
-            self._check_diagonal()
         if self.twist_deg_per_bp is not None and self.omega0_rad_per_nm is not None:
             raise ValueError("found twist_deg_per_bp and omega0_rad_per_nm; allowed: one of them")
-        if not (0.5 <= self.gamma0[2] <= 1.5 and np.hypot(*self.gamma0[:2]) <= 1.0):
+        usual = 0.5 <= self.gamma0[2] <= 1.5 and np.hypot(*self.gamma0[:2]) <= 1.0
+        if not (usual or self.unusual):
             raise ValueError(
                 f"gamma0: found {self.gamma0}; allowed: 0.5 to 1.5 along the rod, up to 1 across it"
             )
-        if np.linalg.norm(self.centre_A) > 5.0:
+        if np.linalg.norm(self.centre_A) > 5.0 and not self.unusual:
             raise ValueError(f"centre_A: found {self.centre_A}; allowed: up to 5 A from the origin")
         try:
             self.rod()
         except InputError as error:
             raise ValueError(str(error).removeprefix("rod: ")) from None
         return self
-
-    def _check_diagonal(self) -> None:
-        limits = [SHEAR, SHEAR, EXTENSION, ANGULAR, ANGULAR, ANGULAR]
-        for index, (value, (low, high, unit)) in enumerate(
-            zip(np.diag(np.array(self.stiffness)), limits, strict=True)
-        ):
-            if not low <= value <= high:
-                raise ValueError(
-                    f"stiffness, diagonal element {index + 1}: found {value:g}; allowed: {low:g} "
-                    f"to {high:g} {unit}"
-                )
 
     def rod(self) -> Rod:
         """Return the rod. Raises `InputError` if its stiffness is not positive definite."""
@@ -174,6 +221,21 @@ class RodConstants(BaseModel):
         return np.diag(np.concatenate(diagonal))
 
 
+# what a constant that is no number at all should have been
+FORMS: dict[str, object] = {
+    "spacing_A": SPACING,
+    "density_Da_per_nm": f"one number in Da/nm, {PAIR_MASS}",
+    "inertia_Da_nm": f"in Da nm, {GYRATION}",
+    "shear_pN": SHEAR,
+    "extension_pN": EXTENSION,
+    "bend_pN_nm2": BEND,
+    "twist_pN_nm2": TWIST_STIFFNESS,
+    "stiffness": MATRIX,
+    "twist_deg_per_bp": TURN,
+    "omega0_rad_per_nm": OMEGA,
+}
+
+
 def rod_from_constants(constants: Mapping[str, Any], where: str = "rod") -> Rod:
     """Return the rod of a mapping with the fields of `RodConstants`.
 
@@ -189,6 +251,8 @@ def rod_from_constants(constants: Mapping[str, Any], where: str = "rod") -> Rod:
 
 def read_rod(path: Path) -> Rod:
     """Return the rod of a YAML file with the fields of `RodConstants`; raises `InputError`."""
+    if not path.is_file():
+        raise InputError(f"{path}: no such file")
     try:
         content = yaml.safe_load(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
@@ -208,5 +272,5 @@ def _explain(where: str, name: str, error: Mapping[str, Any], constants: Mapping
         return f"{start}found no such constant; allowed: {', '.join(RodConstants.model_fields)}"
     if name not in constants:
         return f"{start}found nothing; allowed: it must be given"
-    allowed = RodConstants.model_fields[name].description
+    allowed = FORMS.get(name, RodConstants.model_fields[name].description)
     return f"{start}found {constants[name]!r}; allowed: {allowed}"

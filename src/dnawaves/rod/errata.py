@@ -41,7 +41,8 @@ def _equation_46() -> Erratum:
     rod = Rod.paper(twisted=True)
     k = np.linspace(0.5, 9.0, 60)
     turn = rod.omega0_rad_per_nm[2]
-    branches = bend_shear_branches(rod, k + turn, lattice=False).T
+    shifted = [bend_shear_branches(rod, k + sign * turn, lattice=False).T for sign in (1, -1)]
+    branches = np.concatenate(shifted)
     printed, corrected = (
         np.array([eq46_expanded_residual(rod, k, one, as_printed=as_printed) for one in branches])
         for as_printed in (True, False)
@@ -50,8 +51,8 @@ def _equation_46() -> Erratum:
         "eq. 46: 4k²D²Ω₀⁴, twice",
         "4k²D²Ω₀², twice; factorised, with q = k ± Ω₀: (ρω² − Cq²)(Iω² − Dq²) = ρCΓ₀²ω²",
         f"at the rod's own waves, 0.05 to 0.9 rad/Å, the printed form misses by up to "
-        f"{printed.max():.2f} of the size of its terms, the corrected one by less than "
-        f"{_bound(corrected.max())}",
+        f"{printed.max():.4f} of the size of its terms, the corrected one by "
+        f"{_round_off(corrected.max(), 1e-11)}",
     )
 
 
@@ -100,8 +101,8 @@ def _standing_bends() -> Erratum:
     return Erratum(
         "L = nλ/2",
         "for extension and twist between held ends; for bend only between pinned ends",
-        f"the three lowest bends of a chain of {PAIRS} base pairs with clamped ends lie {told} "
-        "times above the rule",
+        f"the three lowest bends of a chain of {PAIRS} base pairs with clamped ends have {told} "
+        f"times the frequency of the rule, the length being the {PAIRS - 1} spacings between them",
     )
 
 
@@ -119,8 +120,8 @@ def _gauge() -> Erratum:
         "waves sense the twist, so they sense topology",
         "twist of an isotropic rod is a gauge: in the laboratory its waves are those of the "
         "untwisted rod, to first order; only unequal bend stiffnesses would show the twist",
-        f"all six branches at k of the twisted rod and at k ± Ω₀ of the untwisted one agree to "
-        f"{_bound(difference)}",
+        f"all six branches at k of the twisted rod and at k ± Ω₀ of the untwisted one differ by "
+        f"{_round_off(difference, 1e-13)} of the highest frequency",
     )
 
 
@@ -167,9 +168,9 @@ def _density() -> Erratum:
         "ρ = 3.22 × 10⁻¹⁵ kg/m, I₁ = I₂",
         "more than a duplex without ions weighs, and a base pair is long: density and inertia "
         "are taken from the topology",
-        f"{rod.density_Da_per_nm * rod.spacing_nm:.0f} Da per base pair, where a duplex without ions "
-        "has 616; base pairs 3 to 10 of the crystal 355D have principal moments of 1.02, 12.9 and "
-        "13.6 × 10⁻³⁴ kg m, not 4.03, 4.03 and 8.06",
+        f"{rod.density_Da_per_nm * rod.spacing_nm:.0f} Da per base pair, where a duplex without "
+        "ions has 616; base pairs 3 to 10 of the crystal 355D have principal moments of 1.02, 12.9 "
+        "and 13.6 × 10⁻³⁴ kg m, not 4.03, 4.03 and 8.06",
     )
 
 
@@ -201,9 +202,20 @@ def _impulse() -> Erratum:
     )
 
 
-def _bound(value: float) -> str:
-    """Return the power of ten above a value that is mere round-off."""
-    return f"{10.0 ** np.ceil(np.log10(max(value, 1e-15))):.0e}"
+def _misprints() -> Erratum:
+    rod = Rod.paper()
+    speed = short_wave_speeds_A_per_ps(rod)["extension"]
+    wavenumber = 2 * np.pi / (PAIRS * rod.spacing_nm * A_PER_NM)
+    return Erratum(
+        "C³; harmonic solutions in sin(s − Vt); (48 or 48)",
+        "C₃; sin k(s − Vt), or all waves have the length 2π; (48 or 48a)",
+        f"√(C₃/ρ) = {speed:.2f} Å/ps; a wave of {PAIRS} base pairs has k = {wavenumber:.3f} rad/Å",
+    )
+
+
+def _round_off(value: float, limit: float) -> str:
+    """Return that a value is below a limit set in advance, or, if it is not, the value."""
+    return f"less than {limit:.0e}" if value < limit else f"{value:.1e}"
 
 
 POINTS: tuple[Callable[[], Erratum], ...] = (
@@ -218,5 +230,6 @@ POINTS: tuple[Callable[[], Erratum], ...] = (
     _density,
     _square_root,
     _names,
+    _misprints,
     _impulse,
 )

@@ -23,7 +23,7 @@ End = Literal["free", "held", "pinned"]
 IntArray = NDArray[np.int64]
 
 # coordinates of the motions that a straight rod without couplings keeps apart
-MOTIONS: dict[str, tuple[int, ...]] = {
+COORDINATE_SETS: dict[str, tuple[int, ...]] = {
     "extension": (EXTENSION,),
     "twist": (TWIST,),
     "bend": (SHEAR_1, BEND_2),
@@ -47,7 +47,7 @@ class FiniteRod:
     ends : two of "free", "held", "pinned"
         Held: neither position nor rotation change; pinned: the position does not.
     coordinates : sequence of int
-        Those that move: all six, or a set of `MOTIONS`.
+        Those that move: all six, or a set of `COORDINATE_SETS`.
 
     Raises
     ------
@@ -58,7 +58,7 @@ class FiniteRod:
     rod: Rod
     length_nm: float
     ends: tuple[End, End]
-    coordinates: Sequence[int] = MOTIONS["all"]
+    coordinates: Sequence[int] = COORDINATE_SETS["all"]
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.length_nm) and self.length_nm > 0):

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from dnawaves.rod.dispersion import bend_shear_branches, transverse_constants
-from dnawaves.rod.finite_rod import MOTIONS, End, FiniteRod
+from dnawaves.rod.finite_rod import COORDINATE_SETS, End, FiniteRod
 from dnawaves.rod.rod import FloatArray, Rod
 
 Wave = Literal["extension", "twist", "bend"]
@@ -52,7 +52,7 @@ def half_wave_table(
 
     Of bend only those below the cut-off of the upper branch: above it both branches mix.
     """
-    exact = FiniteRod(rod, length_nm, ends, MOTIONS[wave]).frequencies_rad_per_ps(count)
+    exact = FiniteRod(rod, length_nm, ends, COORDINATE_SETS[wave]).frequencies_rad_per_ps(count)
     modes = np.arange(1, count + 1)
     wavenumbers = modes * np.pi / length_nm
     if wave == "bend":
@@ -60,7 +60,7 @@ def half_wave_table(
         rule = bend_shear_branches(rod, wavenumbers, lattice=False)[:, 0]
         half_waves = bend_wavenumber(rod, exact) * length_nm / np.pi
     else:
-        (axis,) = MOTIONS[wave]
+        (axis,) = COORDINATE_SETS[wave]
         speed = np.sqrt(rod.stiffness[axis, axis] / rod.mass[axis, axis])
         rule = speed * wavenumbers
         half_waves = exact / speed * length_nm / np.pi

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from dnawaves.errors import InputError
 from dnawaves.rod.dispersion import transverse_constants
 from dnawaves.rod.rod import FloatArray, Rod
 
@@ -15,14 +16,23 @@ def lower_branch_share(rod: Rod, frequency_rad_per_ps: float, shape: FloatArray)
     frequency, and the ends mix them: a mode is exactly a sum of two running pairs, one of each
     branch. The share is the lower pair's part of the sum of the two kinetic energies. Outside
     that range only one branch carries waves, and the share is 1 or 0.
+
+    Raises InputError where I/rho + D/C < (Gamma0 a/2)^2: the upper branch of such a lattice falls
+    from its cut-off, and the range is another.
     """
     a = rod.spacing_nm
+    constants = transverse_constants(rod)
+    rises = constants.inertia / constants.density + constants.bend / constants.shear
+    if rises < (constants.stretch * a / 2) ** 2:
+        raise InputError(
+            "modes cannot be told to be bend or shear: the rod is so slender and stiff in shear "
+            "that on this spacing the upper branch falls with the wavenumber"
+        )
     upper_squared, lower_squared = _sine_squares(rod, frequency_rad_per_ps)
     if upper_squared <= 0:
         return 1.0
     if lower_squared >= (2 / a) ** 2:
         return 0.0
-    constants = transverse_constants(rod)
     weights = np.sqrt([constants.density, constants.inertia])
     position = a * np.arange(len(shape))
     waves = []

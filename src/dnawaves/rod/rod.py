@@ -1,4 +1,4 @@
-"""The elastic rod: its constants, its mass and strain operators, its limiting speeds."""
+"""The elastic rod: its constants, its mass and strain operators, its axis."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 from importlib import resources
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial.transform import Rotation
 
 from dnawaves.errors import InputError
 from dnawaves.units import (
@@ -32,6 +32,23 @@ def cross_matrix(vector: ArrayLike) -> FloatArray:
     """Return the 3x3 matrix that maps y to vector x y."""
     x, y, z = np.asarray(vector, dtype=float)
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def require_positive_definite(name: str, matrices: FloatArray) -> None:
+    """Raise InputError unless the matrix, or each of a stack, is symmetric positive definite."""
+    transposed = np.swapaxes(matrices, -1, -2)
+    size = np.abs(matrices).max(axis=(-1, -2), keepdims=True)
+    if np.any(np.abs(matrices - transposed) > 1e-8 * np.abs(transposed) + 1e-10 * size):
+        raise InputError(f"{name} is not symmetric")
+    scale = np.sqrt(np.abs(np.diagonal(matrices, axis1=-2, axis2=-1)))[..., np.newaxis]
+    scale = np.where(scale > 0, scale, 1.0)
+    # on a diagonal of ones the units of force and of torque no longer matter
+    smallest = np.linalg.eigvalsh(matrices / scale / np.swapaxes(scale, -1, -2))[..., 0].min()
+    if smallest <= ROUND_OFF:
+        raise InputError(
+            f"{name} is not positive definite; scaled to a diagonal of ones its smallest "
+            f"eigenvalue is {smallest:.3g}, and {ROUND_OFF:g} is round-off"
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,8 +103,8 @@ class Rod:
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0):
                 raise InputError(f"rod: {name} is {value}; it must be positive and finite")
-        _require_positive_definite("inertia_Da_nm", self.inertia_Da_nm)
-        _require_positive_definite("stiffness", self.stiffness)
+        require_positive_definite("rod: inertia_Da_nm", self.inertia_Da_nm)
+        require_positive_definite("rod: stiffness", self.stiffness)
 
     @classmethod
     def paper(cls, *, twisted: bool = False) -> Rod:
@@ -125,62 +142,84 @@ class Rod:
         rotation = cross_matrix(self.omega0_rad_per_nm)
         return np.block([[rotation, cross_matrix(self.gamma0)], [np.zeros((3, 3)), rotation]])
 
+    def on_axis(self) -> Rod:
+        """Return the same rod, described by frames whose third axis is the axis of its screw.
+
+        Gamma0 and Omega0 make every rod a helix about a straight axis. Here the origins lie on
+        that axis and d3 points along it; of an untwisted rod d3 points along Gamma0. Frequencies
+        are those of the rod as it was. Raises InputError if the rod closes into a ring.
+        """
+        turn = self.omega0_rad_per_nm
+        rate = np.linalg.norm(turn)
+        along = turn / rate if rate > 0 else self.gamma0
+        advance = along @ self.gamma0
+        if abs(advance) <= ROUND_OFF * np.linalg.norm(self.gamma0) or not self.gamma0.any():
+            raise InputError(f"rod: gamma0 {self.gamma0} has no part along the axis of its helix")
+        axis = along * np.sign(advance) / np.linalg.norm(along)
+        origin = np.cross(turn, self.gamma0) / rate**2 if rate > 0 else np.zeros(3)
+        frame = Rotation.align_vectors([axis], [[0.0, 0.0, 1.0]])[0].as_matrix()
+        arm = cross_matrix(origin)
+        adjoint = np.block([[frame, arm @ frame], [np.zeros((3, 3)), frame]])
+        stiffness, inertia = (
+            root.T @ matrix @ root
+            for root, matrix in ((adjoint, self.stiffness), (frame, self.inertia_Da_nm))
+        )
+        return replace(
+            self,
+            stiffness=(stiffness + stiffness.T) / 2,
+            inertia_Da_nm=(inertia + inertia.T) / 2,
+            # across the axis nothing is left but round-off
+            gamma0=np.array([0.0, 0.0, axis @ self.gamma0]),
+            omega0_rad_per_nm=np.array([0.0, 0.0, axis @ turn]),
+            centre_nm=frame.T @ (self.centre_nm - origin),
+        )
+
     def averaged_about_axis(self) -> Rod:
         """Return the untwisted, transversely isotropic rod seen by waves longer than the pitch.
 
-        Of a rod twisted about a straight axis, in the laboratory frame. A long wave loads each
-        orientation of the cross-section alike, so compliances average: 1/D_eff = (1/D1 + 1/D2)/2.
-        The coupling of extension and twist is kept; couplings of shear and bend are dropped.
-        The centre of mass goes round the axis: its distance adds to the moments of inertia.
+        Of a twisted rod, in the laboratory frame, its axis that of the helix (`on_axis`). A long
+        wave loads each orientation of the cross-section alike, so compliances average:
+        1/D_eff = (1/D1 + 1/D2)/2. The coupling of extension and twist is kept; couplings of shear
+        and bend are dropped. The centre of mass goes round the axis: its distance adds to the
+        moments of inertia. Raises InputError for a rod without twist, which nothing averages.
         """
-        compliance = np.linalg.inv(self.stiffness)
+        if not self.omega0_rad_per_nm.any():
+            raise InputError("rod: without intrinsic twist nothing is averaged about the axis")
+        rod = self.on_axis()
+        compliance = np.linalg.inv(rod.stiffness)
         stiffness = np.zeros((6, 6))
         for pair in ([SHEAR_1, SHEAR_2], [BEND_1, BEND_2]):
             stiffness[pair, pair] = 1 / compliance[pair, pair].mean()
-        stiffness[np.ix_(AXIAL, AXIAL)] = axial_stiffness(self)
-        inertia = np.diag(self.mass)[3:]
+        stiffness[np.ix_(AXIAL, AXIAL)] = axial_stiffness(rod)
+        inertia = np.diag(rod.mass)[3:]
         transverse = inertia[:2].mean()
         return replace(
-            self,
+            rod,
             stiffness=stiffness,
             inertia_Da_nm=np.diag([transverse, transverse, inertia[2]]),
-            gamma0=np.array([0.0, 0.0, self.gamma0[2]]),
             omega0_rad_per_nm=np.zeros(3),
             centre_nm=np.zeros(3),
         )
 
 
 def axial_stiffness(rod: Rod) -> FloatArray:
-    """Return the (2, 2) stiffness of (extension, twist) for waves longer than the pitch.
+    """Return the (2, 2) stiffness of (extension, twist) of a straight rod for long waves.
 
-    All other strains relax: the Schur complement ((K^-1)_axial)^-1 of a rod with a straight axis.
-    Without intrinsic twist only the shears relax: a uniform bend would need a deflection that
-    grows as the wavelength squared, and the inertia of that deflection keeps it away.
+    All other strains relax: the Schur complement ((K^-1)_axial)^-1. Without intrinsic twist only
+    the shears relax: a uniform bend would need a deflection that grows as the wavelength squared,
+    and the inertia of that deflection keeps it away. A rod that is not straight: `Rod.on_axis`.
     """
-    strains = [*AXIAL, SHEAR_1, SHEAR_2] + ([BEND_1, BEND_2] if _twisted(rod) else [])
+    twisted = rod.omega0_rad_per_nm[2] != 0
+    strains = [*AXIAL, SHEAR_1, SHEAR_2] + ([BEND_1, BEND_2] if twisted else [])
     compliance = np.linalg.inv(rod.stiffness[np.ix_(strains, strains)])
     return np.linalg.inv(compliance[:2, :2])
 
 
-def axial_mass(rod: Rod) -> FloatArray:
-    """Return the (2, 2) mass of (extension, twist), Da/nm and Da nm, for those waves.
-
-    A rod with intrinsic twist turns about the axis through the origins of its frames, one without
-    about its centres of mass: its axis gives way to a force across it at no cost.
-    """
-    twist_inertia = rod.mass[TWIST, TWIST] if _twisted(rod) else rod.inertia_Da_nm[2, 2]
-    return np.diag([rod.density_Da_per_nm, twist_inertia])
-
-
-def _twisted(rod: Rod) -> bool:
-    return bool(rod.omega0_rad_per_nm[2] != 0)
-
-
 def short_wave_speeds_A_per_ps(rod: Rod) -> dict[str, float]:
-    """Return the speeds of waves much shorter than the pitch and the radius of gyration.
+    """Return the short-wave speeds of an isotropic rod without couplings: Bishop & Zhmudsky's.
 
-    Keys extension, twist, bend, shear. Couplings are left out; bend and shear use the mean of
-    the two transverse axes (Bishop & Zhmudsky: sqrt(C/rho), sqrt(D/I)).
+    Keys extension, twist, bend, shear: sqrt(C/rho), sqrt(D/I). Couplings are left out, and the two
+    transverse axes averaged; the waves of any rod are those of `limits.short_waves`.
     """
     stiffness = np.diag(rod.stiffness)
     inertia = np.diag(rod.inertia_Da_nm)
@@ -191,19 +230,6 @@ def short_wave_speeds_A_per_ps(rod: Rod) -> dict[str, float]:
         "shear": stiffness[[SHEAR_1, SHEAR_2]].mean() / rod.density_Da_per_nm,
     }
     return {name: float(np.sqrt(value)) * A_PER_NM for name, value in squared.items()}
-
-
-def long_wave_speeds_A_per_ps(rod: Rod) -> dict[str, float]:
-    """Return the speeds of extension and twist waves longer than the pitch (straight axis).
-
-    Extension and twist mix when they are coupled; each key names the wave in which that motion
-    carries most of the kinetic energy.
-    """
-    mass = axial_mass(rod)
-    squared, shapes = scipy.linalg.eigh(axial_stiffness(rod), mass)
-    extension = int(np.argmax(mass[0, 0] * shapes[0] ** 2))
-    speeds = np.sqrt(squared) * A_PER_NM
-    return {"extension": float(speeds[extension]), "twist": float(speeds[1 - extension])}
 
 
 def _paper_constants_SI() -> dict[str, float]:
@@ -220,17 +246,3 @@ def _frozen_array(name: str, value: ArrayLike, shape: tuple[int, ...]) -> FloatA
         raise InputError(f"rod: {name} holds numbers that are not finite")
     array.setflags(write=False)
     return array
-
-
-def _require_positive_definite(name: str, matrix: FloatArray) -> None:
-    if not np.allclose(matrix, matrix.T, rtol=1e-8, atol=1e-10 * np.abs(matrix).max()):
-        raise InputError(f"rod: {name} is not symmetric")
-    scale = np.sqrt(np.abs(np.diag(matrix)))
-    # on a diagonal of ones the units of force and of torque no longer matter
-    with_unit_diagonal = matrix / np.outer(scale, scale) if scale.all() else matrix
-    smallest = np.linalg.eigvalsh(with_unit_diagonal)[0]
-    if smallest <= ROUND_OFF:
-        raise InputError(
-            f"rod: {name} is not positive definite; scaled to a diagonal of ones its smallest "
-            f"eigenvalue is {smallest:.3g}, and {ROUND_OFF:g} is round-off"
-        )

@@ -9,7 +9,7 @@ import scipy.linalg
 from numpy.typing import ArrayLike
 
 from dnawaves.errors import InputError
-from dnawaves.rod.rod import FloatArray, Rod, cross_matrix
+from dnawaves.rod.rod import FloatArray, Rod, cross_matrix, require_positive_definite
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,8 +62,8 @@ class StepSequence:
                 )
             array.setflags(write=False)
             object.__setattr__(self, name, array)
-        for name in ("stiffness", "mass"):
-            _require_positive_definite(name, getattr(self, name))
+        require_positive_definite("the stiffness of a step", self.stiffness)
+        require_positive_definite("the mass of a base pair", self.mass)
 
     @classmethod
     def uniform(cls, rod: Rod, pairs: int, mass_blocks: ArrayLike | None = None) -> StepSequence:
@@ -149,17 +149,3 @@ def body_mass(
             [mass_Da * arm, inertia + mass_Da * arm.T @ arm],
         ]
     )
-
-
-def _require_positive_definite(name: str, matrices: FloatArray) -> None:
-    size = np.abs(matrices).max(axis=(1, 2), keepdims=True)
-    if np.any(np.abs(matrices - matrices.transpose(0, 2, 1)) > 1e-8 * size):
-        raise InputError(f"the {name} of a step or base pair is not symmetric")
-    try:
-        np.linalg.cholesky(matrices)
-    except np.linalg.LinAlgError as error:
-        raise InputError(
-            "the stiffness of a step is not positive definite"
-            if name == "stiffness"
-            else "the masses of the chain are not positive definite"
-        ) from error

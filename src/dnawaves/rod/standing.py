@@ -66,7 +66,7 @@ def fixed_fixed_frequency_GHz(mode: int, speed_A_per_ps: float, length_nm: float
 
 
 @dataclass(frozen=True, eq=False)
-class PlaneWave:
+class PlaneMode:
     """A standing wave of bend or shear: frequency, u1 and th2 (pairs,), largest |u1| = 1.
 
     `share` in 0.5..1 is the part of its kinetic energy that belongs to its branch (see
@@ -79,20 +79,20 @@ class PlaneWave:
     share: float
 
 
-def bend_standing_wave(rod: Rod, pairs: int, mode: int, ends: Ends) -> PlaneWave:
+def bend_standing_wave(rod: Rod, pairs: int, mode: int, ends: Ends) -> PlaneMode:
     """Return the n-th standing wave of the lower bend/shear branch of a straight rod."""
-    return _plane_wave(rod, pairs, mode, ends, lower=True)
+    return _plane_mode(rod, pairs, mode, ends, lower=True)
 
 
-def shear_standing_wave(rod: Rod, pairs: int, mode: int, ends: Ends) -> PlaneWave:
+def shear_standing_wave(rod: Rod, pairs: int, mode: int, ends: Ends) -> PlaneMode:
     """Return the n-th standing wave of the upper bend/shear branch of a straight rod.
 
     The lowest ones lie above the cut-off, among bends of the same frequency: look at `share`.
     """
-    return _plane_wave(rod, pairs, mode, ends, lower=False)
+    return _plane_mode(rod, pairs, mode, ends, lower=False)
 
 
-def _plane_wave(rod: Rod, pairs: int, mode: int, ends: Ends, *, lower: bool) -> PlaneWave:
+def _plane_mode(rod: Rod, pairs: int, mode: int, ends: Ends, *, lower: bool) -> PlaneMode:
     frequencies, shapes = PlaneChain(rod, pairs, HELD_PAIRS[ends]).modes()
     vibrations = np.flatnonzero(frequencies > 0)
     shares = [lower_branch_share(rod, frequencies[i], shapes[i]) for i in vibrations]
@@ -108,4 +108,4 @@ def _plane_wave(rod: Rod, pairs: int, mode: int, ends: Ends, *, lower: bool) -> 
     index, share = of_branch[mode - 1]
     displacement, rotation = shapes[index].T
     largest = displacement[np.argmax(np.abs(displacement))]
-    return PlaneWave(float(frequencies[index]), displacement / largest, rotation / largest, share)
+    return PlaneMode(float(frequencies[index]), displacement / largest, rotation / largest, share)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -25,6 +26,7 @@ from dnawaves.rod.summary import (
 WAVENUMBERS = 201
 STANDING_MODES = 3
 FORMATS = (".csv", ".nc")
+NOTHING_MOVES = "none: every base pair is held; --first free frees one"
 
 
 def theory_step(
@@ -34,8 +36,11 @@ def theory_step(
     continuous: bool,
     dispersion: Path | None,
     modes: Path | None,
+    tables: Path | None = None,
 ) -> str:
     """Return all tables as text; write the dispersion relation (CSV or NetCDF) and modes (CSV).
+
+    The folder `tables` receives every printed table as CSV.
 
     `rod_file` is a YAML file of constants (see `dnawaves.rod.constants.RodConstants`); without one
     the rod is the paper's, with its intrinsic twist. Raises `InputError` for a bad file, a duplex
@@ -45,8 +50,7 @@ def theory_step(
         if path is not None and path.suffix not in allowed:
             raise InputError(f"{path}: found {path.suffix!r}; allowed: {' or '.join(allowed)}")
     rod = Rod.paper(twisted=True) if rod_file is None else read_rod(rod_file)
-    vibrations = modes_table(rod, duplex, count)
-    text = _text(rod, duplex, vibrations)
+    printed = _tables(rod, duplex, count)
     if dispersion is not None:
         k = np.linspace(0, np.pi / rod.spacing_nm, WAVENUMBERS)
         dataset = dispersion_dataset(rod, k, lattice=not continuous)
@@ -55,25 +59,43 @@ def theory_step(
         else:
             _write_csv(dispersion_table(dataset), dispersion)
     if modes is not None:
-        _write_csv(vibrations, modes)
-    return text
+        _write_csv(printed["modes"].table, modes)
+    if tables is not None:
+        for name, one in printed.items():
+            _write_csv(one.table, tables / f"{name}.csv")
+    return "\n\n".join(f"{one.title}\n{_aligned(one.table)}" for one in printed.values())
 
 
-def _text(rod: Rod, duplex: Duplex, vibrations: pd.DataFrame) -> str:
+class _Printed(NamedTuple):
+    title: str
+    table: pd.DataFrame
+
+
+def _tables(rod: Rod, duplex: Duplex, count: int) -> dict[str, _Printed]:
     what = f"{duplex.pairs} base pairs, {duplex.ends[0]}-{duplex.ends[1]}"
-    parts = {
-        "Rod": constants_table(rod),
-        "Speeds": speeds_table(rod),
-        f"Travel along {duplex.pairs} base pairs, long waves": travel_table(rod, duplex.pairs),
-        f"Standing waves of the continuous rod averaged about its axis, {what}": standing_table(
-            rod, duplex, STANDING_MODES
+    length = f"{duplex.cells:g} spacings"
+    kind = "averaged about its axis" if rod.omega0_rad_per_nm.any() else "without couplings"
+    vibrations = modes_table(rod, duplex, count)
+    shares = "shares of the kinetic energy" if len(vibrations) else NOTHING_MOVES
+    return {
+        "constants": _Printed("Rod", constants_table(rod)),
+        "speeds": _Printed("Speeds; share of the elastic energy in the strain", speeds_table(rod)),
+        "travel": _Printed(
+            f"Travel along {duplex.pairs} base pairs, long waves", travel_table(rod, duplex.pairs)
         ),
-        f"Lowest modes of the lattice with all couplings, {what}": vibrations,
+        "standing": _Printed(
+            f"Standing waves of the continuous rod {kind}, {what}: {length} long",
+            standing_table(rod, duplex, STANDING_MODES),
+        ),
+        "modes": _Printed(
+            f"Lowest modes of the lattice with all couplings, {what}; {shares}", vibrations
+        ),
     }
-    return "\n\n".join(f"{title}\n{_aligned(table)}" for title, table in parts.items())
 
 
 def _aligned(table: pd.DataFrame) -> str:
+    if table.empty:
+        return "-"
     return str(table.to_string(index=False, float_format=lambda x: f"{x:.4g}", na_rep="-"))
 
 
