@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 
@@ -30,6 +30,7 @@ def _output(text: str) -> Any:
     return typer.Option("--output", help=text, dir_okay=False)
 
 
+EndName = Literal["free", "held", "pinned"]
 Config = Annotated[Path, typer.Argument(help="configuration file")]
 SystemJson = Annotated[Path, _file("system, as `dnawaves freeze --system` wrote it")]
 SceneJson = Annotated[Path, _file("scene, as `dnawaves freeze --scene` wrote it")]
@@ -45,6 +46,62 @@ def check(config: Config) -> None:
     from dnawaves.scene.table import scene_table
 
     typer.echo(scene_table(load_scenes(config)))
+
+
+@app.command()
+def explain(
+    config: Config,
+    scene: Annotated[str, typer.Argument(help="name of a scene")],
+    results: Annotated[Path, typer.Option(help="folder of the workflow's results")] = Path(
+        "results"
+    ),
+) -> None:
+    """Say what a scene runs: forces, size, expected time from a short probe, disk space."""
+    from dnawaves.trajectory.explain import explain as explained
+
+    typer.echo(explained(config, scene, results))
+
+
+@app.command()
+def theory(
+    rod: Annotated[
+        Path | None,
+        typer.Argument(help="YAML file of the rod's constants; left out: the paper's rod"),
+    ] = None,
+    pairs: Annotated[
+        int,
+        typer.Option(
+            min=2, max=1000, help="base pairs of the duplex; 300 take seconds, 1000 a minute"
+        ),
+    ] = 24,
+    first: Annotated[EndName, typer.Option(help="how the first end is held")] = "held",
+    last: Annotated[EndName, typer.Option(help="how the last end is held")] = "held",
+    modes: Annotated[int, typer.Option(min=1, help="number of modes to list")] = 8,
+    continuous: Annotated[
+        bool, typer.Option(help="dispersion of the continuous rod, not of the lattice")
+    ] = False,
+    dispersion: Annotated[
+        Path | None, typer.Option(help="CSV or NetCDF file of the dispersion relation")
+    ] = None,
+    modes_output: Annotated[Path | None, typer.Option(help="CSV file of the modes")] = None,
+    tables: Annotated[
+        Path | None, typer.Option(help="folder for every printed table as CSV", file_okay=False)
+    ] = None,
+    errata: Annotated[
+        bool, typer.Option(help="print the points of the paper to read with care, and no more")
+    ] = False,
+) -> None:
+    """Print and write what the rod theory says: speeds, dispersion, modes, travel times."""
+    if errata:
+        from dnawaves.rod.errata import errata_markdown
+
+        typer.echo(errata_markdown(), nl=False)
+        return
+    from dnawaves.rod.steps import theory_step
+    from dnawaves.rod.summary import Duplex
+
+    duplex = Duplex(pairs, (first, last))
+    typer.echo(theory_step(rod, duplex, modes, continuous, dispersion, modes_output, tables))
 
 
 @app.command()
@@ -93,6 +150,35 @@ def relax(
 
 
 @app.command()
+def modes(
+    system: SystemJson,
+    built: Built,
+    relaxed: Relaxed,
+    hessian: Annotated[Path, _file("Hessian at the minimum, as `dnawaves relax` wrote it")],
+    output: Annotated[Path, _output("NetCDF file of the normal modes")],
+    first: Annotated[int, typer.Option(min=0, help="base pairs held at the first end")] = 0,
+    last: Annotated[int, typer.Option(min=0, help="base pairs held at the last end")] = 0,
+) -> None:
+    """Find the normal modes of a relaxed duplex, and what they are to its base pairs."""
+    from dnawaves.system.steps import modes_step
+
+    modes_step(system, built, relaxed, hessian, (first, last), output)
+
+
+@app.command()
+def segments(
+    modes: Annotated[
+        Path, _file("normal modes of the free duplex, as `dnawaves modes` wrote them")
+    ],
+    output: Annotated[Path, _output("CSV file of stiffness and speeds by length")],
+) -> None:
+    """Find the rod's constants in a duplex: how stiff its segments are, by their length."""
+    from dnawaves.waves.segments import segments_step
+
+    segments_step(modes, output)
+
+
+@app.command()
 def inspect(
     system: SystemJson,
     built: Built,
@@ -124,24 +210,50 @@ def simulate(
             help="speeds of a scene that a sweep names; once for each", exists=True, dir_okay=False
         ),
     ] = None,
+    modes: Annotated[
+        Path | None,
+        typer.Option(
+            help="normal modes with the scene's ends, for a harmonic scene",
+            exists=True,
+            dir_okay=False,
+        ),
+    ] = None,
     threads: Threads = 1,
 ) -> None:
-    """Simulate one run of a scene."""
+    """Simulate one run of a scene, or answer it from the normal modes."""
     from dnawaves.trajectory.steps import simulate_step
 
-    simulate_step(scene, built, relaxed, hessian, member, output, trajectory, fitted or [], threads)
+    simulate_step(
+        scene, built, relaxed, hessian, member, output, trajectory, fitted or [], threads, modes
+    )
 
 
 @app.command()
 def helical(
-    topology: Annotated[Path, _file("any topology that MDAnalysis reads")],
-    trajectory: Annotated[Path, _file("any trajectory that MDAnalysis reads")],
-    output: Annotated[Path, _output("NetCDF file of the helical parameters")],
+    topology: Annotated[Path, _file("any topology or structure that MDAnalysis reads")],
+    output: Annotated[Path, _output("NetCDF file, or CSV file with a pair table beside it")],
+    trajectory: Annotated[
+        list[Path] | None, _file("any trajectories that MDAnalysis reads, one after the other")
+    ] = None,
+    pairs: Annotated[
+        Path | None,
+        typer.Option(
+            help="CSV file of base pairs: chain1,resid1,chain2,resid2", exists=True, dir_okay=False
+        ),
+    ] = None,
+    start: Annotated[int | None, typer.Option(help="first frame, from 0")] = None,
+    stop: Annotated[int | None, typer.Option(help="frame to end before")] = None,
+    step: Annotated[int | None, typer.Option(help="take every n-th frame")] = None,
+    workers: Annotated[int, typer.Option(min=1, help="number of worker processes")] = 1,
+    frames: Annotated[
+        bool, typer.Option(help="also write the origins and axes of bases, pairs and steps (.nc)")
+    ] = True,
 ) -> None:
-    """Derive the helical parameters of every frame of a duplex's trajectory."""
+    """Derive the helical parameters of every duplex, for a structure or each trajectory frame."""
     from dnawaves.helical.steps import helical_step
 
-    helical_step(topology, trajectory, output)
+    keep = frames and output.suffix == ".nc"
+    helical_step(topology, trajectory or [], output, pairs, start, stop, step, workers, keep)
 
 
 @app.command()

@@ -52,6 +52,12 @@ scenes:
     environment: condensed
     ends: {first: held}
     excitation: {kind: standing_wave, wave: extension, mode: 1, velocity_A_per_ps: 0.2}
+  mode1_exact:
+    duplex: tiny
+    environment: condensed
+    ends: {first: held}
+    excitation: {kind: standing_wave, wave: extension, mode: 1, velocity_A_per_ps: 0.2}
+    method: harmonic
   bend_mode1:
     duplex: tiny
     environment: condensed
@@ -76,6 +82,12 @@ scenes:
     duplex: tiny
     environment: condensed
     excitation: {kind: kick, wave: twist, angular_velocity_rad_per_ps: 0.02}
+"""
+
+SEGMENTS = """\
+steps,length_A,segments,extension_pN,twist_pN_nm2,coupling_pN_nm,bend_pN_nm2,extension_A_per_ps,twist_A_per_ps
+1,3.3,9,3000,1200,100,400,11,8
+4,13.2,6,6000,1210,90,410,15,8.1
 """
 
 
@@ -182,6 +194,8 @@ def write_results(folder: Path) -> Path:
     system = results / "systems" / SYSTEM
     write_netcdf(system / "structure.nc", structure())
     write_netcdf(system / "relaxed.nc", minimum())
+    write_netcdf(system / "modes/0-0.nc", modes())
+    write_text(system / "segments.csv", SEGMENTS)
     compare_step(
         [results / "scenes" / name / "speeds.csv" for name in scenes],
         [system / "structure.nc"],
@@ -222,6 +236,11 @@ def _scenes() -> dict[str, tuple[xr.Dataset, list[Estimate]]]:
     return {
         "kick": (kick, [replace(found, estimator="waveform", half_kick_change=0.004)]),
         "mode1": (mode, [replace(resonant, estimator="standing wave")]),
+        "mode1_exact": (
+            # As if the simulation had come out 4 % too large.
+            mode.assign(extension_velocity=mode["extension_velocity"] / 1.04),
+            [replace(resonant, estimator="standing wave", method="harmonic")],
+        ),
         "bend_mode1": (bend, [replace(resonant, wave="bend", estimator="standing wave")]),
         "drive": (drive, [replace(resonant, estimator="resonance")]),
         "load": (load, [replace(found, estimator="static", misfit=None)]),
@@ -278,6 +297,27 @@ def structure() -> xr.Dataset:
         "version_mdtraj": "1.2.3",
     }
     return dataset
+
+
+def modes() -> xr.Dataset:
+    """Return S(q, f) of a uniform chain: one line for each wavenumber, at its frequency."""
+    wavenumbers = np.linspace(0, np.pi / SPACING_A, PAIRS + 1)
+    frequencies = np.linspace(0, 3000, 301)
+    centres = ghz(2 * SPEED_A_PER_PS / SPACING_A * np.sin(wavenumbers * SPACING_A / 2))
+    line = np.exp(-0.5 * ((frequencies - centres[:, None]) / 20) ** 2)
+    return xr.Dataset(
+        {
+            "velocity_structure_factor": (
+                ("coordinate", "wavenumber", "frequency"),
+                np.array([line, line]),
+            )
+        },
+        coords={
+            "coordinate": ["extension", "twist"],
+            "wavenumber": ("wavenumber", wavenumbers, {"units": "rad/angstrom"}),
+            "frequency": ("frequency", frequencies, {"units": "GHz"}),
+        },
+    )
 
 
 def minimum() -> xr.Dataset:

@@ -160,6 +160,19 @@ def test_the_resonance_curve_passes_through_the_oscillators_own_peaks(truth):
     assert trace(figure, "paper's f₁").x[0] == pytest.approx(truth.paper_mode_GHz)
 
 
+def test_the_resonance_curve_knows_the_ramp_of_the_drives(truth):
+    times, drives = np.linspace(0, 10, 401), np.array([60.0, 100.0, 140.0, 180.0])
+    response = 0.7 * driven_peak(times, truth.mode_GHz, 0.1, drives, ramp_periods=1.0)
+    figure = resonance_figure(
+        drives, response, "rad/ps", times, (truth.mode_GHz, 0.1), truth.paper_mode_GHz, 1.0
+    )
+    curve = trace(figure, "fitted mode")
+    # As above; the ramp itself changes the peaks by far more.
+    assert np.interp(drives, curve.x, curve.y) == pytest.approx(response, rel=0.01)
+    sudden = 0.7 * driven_peak(times, truth.mode_GHz, 0.1, drives)
+    assert np.abs(sudden / response - 1).max() > 0.05
+
+
 def test_the_papers_rod_yields_to_a_load_by_its_own_stiffness(results, truth):
     figure = figure_of(results, "load", "Displacement")
     paper = trace(figure, "paper's rod")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -121,7 +122,7 @@ def test_a_duplex_that_is_not_b_dna_is_told_at_the_top(results):
     left = system.structure.assign_attrs(verdict="not B-DNA: interior rise 4.00 Å outside 3-3.6 Å")
     changed = Results(
         results.config,
-        {"tiny-condensed": type(system)(system.spec, left, system.minimum)},
+        {"tiny-condensed": replace(system, structure=left)},
         results.scenes,
         results.table,
         results.jobs,

@@ -60,6 +60,11 @@ CONFIGURATION: dict[str, Any] = {
             "ends": {"first": "held", "last": "guided"},
             "excitation": {"kind": "static", "wave": "extension", "force_pN": 100},
         },
+        "exact": {
+            **SCENE,
+            "excitation": {"kind": "kick", "wave": "shear", "velocity_A_per_ps": 0.1},
+            "method": "harmonic",
+        },
         "quiet": {**SCENE, "ends": BOTH_HELD, "excitation": {"kind": "none"}},
     },
 }

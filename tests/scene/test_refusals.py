@@ -20,7 +20,7 @@ def refusal(path: Path) -> str:
 
 
 def test_the_configuration_that_the_tests_spoil_is_valid(write_configuration: Any) -> None:
-    assert len(load_scenes(write_configuration())) == 7
+    assert len(load_scenes(write_configuration())) == 8
 
 
 @pytest.mark.parametrize(
@@ -54,6 +54,12 @@ def test_the_configuration_that_the_tests_spoil_is_valid(write_configuration: An
         ("standing.ends.first", "free", "ends.first 'free'", "needs both ends held"),
         ("loaded.ends.last", "free", "kind 'static' with 'held' and 'free'", "last 'guided'"),
         ("kicked.ends.last", "guided", "kind 'kick' with 'free' and 'guided'", "'static'"),
+        ("kicked.method", "exact", "'exact'", "'simulated' or 'harmonic'"),
+        ("loaded.method", "harmonic", "kind 'static'", "'kick', 'standing_wave', 'pulse'"),
+        ("quiet.method", "harmonic", "kind 'none'", "without excitation nothing moves"),
+        ("exact.observation.helical", True, "true", "method 'harmonic' knows base pairs"),
+        ("driven.excitation.ramp_periods", -1, "-1", "greater than or equal to 0"),
+        ("kicked.masses", [{"pair": 13, "mass_Da": 9}], "13", "1 to 12, the number of base pairs"),
     ],
 )
 def test_a_bad_value(
@@ -100,6 +106,65 @@ def test_an_environment_is_refused_by_its_own_name(write_configuration: Any) -> 
     assert "switch_nm must be below cutoff_nm (0.9), found 0.9" in message
 
 
+IMPLICIT = {"solvent": "OBC2"}
+
+
+@pytest.mark.parametrize(
+    ("environment", "first", "second"),
+    [
+        ({**IMPLICIT, "counterion_fraction": 1}, "counterion_fraction 1", "solvent OBC2"),
+        ({**IMPLICIT, "cutoff_nm": 0.9}, "cutoff_nm 0.9", "solvent OBC2"),
+        ({**IMPLICIT, "switch_nm": 0.8}, "switch_nm 0.8", "solvent OBC2"),
+        ({"salt_M": 0.1}, "salt_M 0.1", "solvent none"),
+        ({"surface_area": True}, "surface_area", "solvent none"),
+    ],
+)
+def test_effects_of_an_environment_that_contradict_each_other_are_both_named(
+    write_configuration: Any, environment: dict[str, Any], first: str, second: str
+) -> None:
+    message = refusal(write_configuration("environments.condensed", environment))
+    assert "environment 'condensed': " in message
+    assert f"{first} contradicts {second}: " in message
+    assert "\n" not in message
+
+
+@pytest.mark.parametrize(
+    ("scene", "pairs", "first", "second"),
+    [
+        # Base pair 12 is held.
+        ("kicked", [12], "added mass on base pairs 12", "contradicts frozen base pairs 12"),
+        ("exact", [3], "masses", "contradict method 'harmonic'"),
+        ("loaded", [3], "masses", "contradict excitation.kind 'static'"),
+        ("quiet", [3], "masses", "contradict excitation.kind 'none'"),
+        ("kicked", [3, 3], "masses", "base pairs that differ, found [3, 3]"),
+    ],
+)
+def test_added_mass_that_would_do_nothing_is_refused(
+    write_configuration: Any, scene: str, pairs: list[int], first: str, second: str
+) -> None:
+    masses = [{"pair": pair, "mass_Da": 5000} for pair in pairs]
+    message = refusal(write_configuration(f"scenes.{scene}.masses", masses))
+    assert f"scene '{scene}': " in message
+    assert first in message and second in message
+    assert "\n" not in message
+
+
+@pytest.mark.parametrize(
+    ("start", "said"),
+    [
+        ({"first": 2, "last": 2, "twist_deg": 9}, "last must be above first (2), found 2"),
+        ({"first": 2, "last": 4}, "give twist_deg, bend_deg or both, found neither"),
+        ({"first": 2, "last": 13, "twist_deg": 9}, "start.last: found 13; allowed: 1 to 12"),
+    ],
+)
+def test_a_start_that_turns_nothing_is_refused(
+    write_configuration: Any, start: dict[str, Any], said: str
+) -> None:
+    message = refusal(write_configuration("environments.condensed.relaxation", {"start": start}))
+    assert said in message
+    assert "relaxation.start" in message
+
+
 def test_every_mistake_is_told_at_once(write_configuration: Any) -> None:
     path = write_configuration("scenes.kicked.observation", {"helicall": True, "crossings": -1})
     assert refusal(path).count("scene 'kicked': observation.") == 2
@@ -107,7 +172,7 @@ def test_every_mistake_is_told_at_once(write_configuration: Any) -> None:
 
 KNOWN_KEYS = {
     "": ["structures", "environments", "scenes"],
-    "environments.condensed": ["force_field", "cutoff_nm", "relaxation"],
+    "environments.condensed": ["force_field", "solvent", "salt_M", "cutoff_nm", "relaxation"],
     "scenes.kicked": ["duplex", "ends", "observation"],
     "scenes.kicked.ends": ["first", "last", "pairs"],
     "scenes.kicked.excitation": ["wave", "velocity_A_per_ps", "scales"],

@@ -12,7 +12,8 @@ from dnawaves.errors import InputError
 from dnawaves.files import read_json, write_json
 from dnawaves.scene.freeze import freeze, freeze_scene, freeze_system
 from dnawaves.scene.load import load_scenes, read_scene, read_system
-from dnawaves.scene.models import Environment
+from dnawaves.scene.models import Ends, Environment
+from dnawaves.scene.pairs import held_counts, held_pairs
 from dnawaves.scene.table import scene_table
 
 
@@ -31,6 +32,7 @@ def test_names_are_resolved(write_configuration: Any) -> None:
         ("driven", ("f1", "f2"), ("plus", "minus"), ()),
         ("swept", ("f1", "f2", "f3"), ("plus", "minus"), ("kicked",)),
         ("loaded", ("x1",), ("plus", "minus"), ()),
+        ("exact", ("x1",), ("plus", "minus"), ()),
         ("quiet", ("run",), ("plus",), ()),
     ],
 )
@@ -43,6 +45,33 @@ def test_runs_of_a_scene(
 ) -> None:
     spec = load_scenes(write_configuration())[scene]
     assert (spec.members, spec.signs, spec.needs) == (members, signs, needs)
+
+
+@pytest.mark.parametrize(
+    ("ends", "counts", "held"),
+    [
+        (Ends(first="free", last="free"), (0, 0), []),
+        (Ends(first="free", last="held", pairs=2), (0, 2), [10, 11]),
+        (Ends(first="held", last="held"), (1, 1), [0, 11]),
+        (Ends(first="held", last="guided", pairs=3), (3, 0), [0, 1, 2]),
+    ],
+)
+def test_held_base_pairs(ends: Ends, counts: tuple[int, int], held: list[int]) -> None:
+    assert held_counts(ends) == counts
+    assert held_pairs(ends, 12) == held
+
+
+def test_what_is_left_out_of_an_environment_follows_from_its_solvent() -> None:
+    def filled_in(**given: Any) -> tuple[float | None, ...]:
+        environment = Environment.model_validate(given)
+        # As a file that was frozen reads back.
+        assert Environment.model_validate_json(environment.model_dump_json()) == environment
+        return environment.counterion_fraction, environment.cutoff_nm, environment.switch_nm
+
+    assert filled_in() == (1, 0.9, 0.8)
+    assert filled_in(counterion_fraction=0, cutoff_nm=1.2) == (0, 1.2, 0.8)
+    assert filled_in(solvent="OBC2") == (0, None, None)
+    assert Environment() == Environment(counterion_fraction=1, cutoff_nm=0.9, switch_nm=0.8)
 
 
 def test_models_are_frozen() -> None:
@@ -63,7 +92,7 @@ def test_a_frozen_scene_and_system_read_back_as_they_were(
 
 def test_freezing_an_unknown_name_lists_the_known(write_configuration: Any, tmp_path: Path) -> None:
     path = write_configuration()
-    with pytest.raises(InputError, match="scene: found 'kick'; allowed: driven, kicked, loaded"):
+    with pytest.raises(InputError, match="scene: found 'kick'; allowed: driven, exact, kicked"):
         freeze(path, "kick", None, tmp_path / "scene.json")
     with pytest.raises(InputError, match="system: found 'x'; allowed: mixed12-condensed"):
         freeze(path, None, "x", tmp_path / "system.json")
@@ -99,6 +128,7 @@ def test_the_table_has_a_line_for_each_scene(write_configuration: Any) -> None:
         "environment",
         "ends",
         "excitation",
+        "method",
         "runs",
     ]
     assert lines[2].split() == [
@@ -109,6 +139,7 @@ def test_the_table_has_a_line_for_each_scene(write_configuration: Any) -> None:
         "held-held",
         "standing_wave",
         "bend",
+        "simulated",
         "x1",
         "x0.5",
     ]

@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 
 from dnawaves.duplex.build import watson_crick_bonds
-from dnawaves.scene.models import Relaxation
+from dnawaves.errors import SimulationError
+from dnawaves.scene.environment import Relaxation
 from dnawaves.system.duplex import SimulatedDuplex
 from dnawaves.system.guided import GuidedEnd, line_density
 from dnawaves.system.hessian import ReferenceForces
-from dnawaves.system.relax import RIGID_MODES, anneal, lowest_modes
+from dnawaves.system.modes import RIGID_MODES
+from dnawaves.system.relax import anneal, lowest_modes, relax
 
 
 def silent(line: str) -> None:
@@ -48,7 +50,7 @@ def test_six_modes_cost_nothing_and_none_is_unstable(relaxed: Any) -> None:
     assert np.abs(values[:RIGID_MODES]).max() < 1e-4
     assert values[RIGID_MODES] > 0.1
     np.testing.assert_allclose(relaxed.record.lowest_eigenvalue_per_ps2[:8], values, atol=1e-9)
-    assert relaxed.record.negative_modes == 0
+    assert (relaxed.record.negative_modes, relaxed.record.zero_modes) == (0, 6)
     # The six are the rigid ones: each is orthogonal to every vibration, so a shift and a turn of
     # the whole duplex lie among them.
     duplex = relaxed.duplex
@@ -60,6 +62,18 @@ def test_six_modes_cost_nothing_and_none_is_unstable(relaxed: Any) -> None:
         shape = (root * motion).ravel()
         shape /= np.linalg.norm(shape)
         assert np.linalg.norm(vectors[:, :6].T @ shape) == pytest.approx(1, abs=1e-6)
+
+
+def test_a_search_that_is_given_up_says_what_is_left(
+    as_built: Callable[..., SimulatedDuplex],
+) -> None:
+    # A force that round-off does not let it reach; four base pairs come to a minimum all the same.
+    search = {"anneal_ps": 0, "cycles": 1, "force_tolerance_kJ_per_mol_nm": 1e-12}
+    with pytest.raises(SimulationError) as caught:
+        relax(as_built("CGAT", relaxation=search), 1, silent)
+    said = str(caught.value)
+    assert said.startswith("no minimum after 1 Hessians: rms force ")
+    assert "; no mode is negative. Raise relaxation.cycles, or take another" in said
 
 
 def test_lowest_modes_of_two_masses_on_a_spring() -> None:

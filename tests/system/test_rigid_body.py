@@ -119,3 +119,38 @@ def test_inertia_of_a_dumb_bell() -> None:
     bodies = RigidBodies(reference, np.array([2.0, 2.0, 0.1, 0.1]), np.zeros(4, dtype=np.intp))
     np.testing.assert_allclose(bodies.inertia_Da_nm2[0], np.diag([0.05, 1.0, 1.05]), atol=1e-15)
     np.testing.assert_allclose(bodies.masses_Da, [4.2], rtol=1e-15)
+
+
+def test_velocity_map_is_the_velocity_at_the_reference(cloud: Cloud) -> None:
+    velocities = np.random.default_rng(11).normal(size=(ATOMS, 3))
+    linear, angular = cloud.bodies.velocity(cloud.positions_nm, velocities)
+    mapped = (cloud.bodies.velocity_map() @ velocities.ravel()).reshape(PAIRS, 6)
+    # Two ways to the same sums: round-off.
+    np.testing.assert_allclose(mapped, np.concatenate([linear, angular], axis=1), atol=1e-12)
+
+
+def test_velocity_map_is_the_derivative_of_the_pose(cloud: Cloud) -> None:
+    moved = np.random.default_rng(12).normal(size=(ATOMS, 3))
+    step = 1e-5
+    forward, backward = (
+        np.concatenate(cloud.bodies.pose(cloud.positions_nm + sign * step * moved), axis=1)
+        for sign in (1, -1)
+    )
+    mapped = (cloud.bodies.velocity_map() @ moved.ravel()).reshape(PAIRS, 6)
+    # Step squared times a third derivative of order one, and round-off over the step.
+    np.testing.assert_allclose((forward - backward) / (2 * step), mapped, atol=1e-8)
+
+
+def test_momenta_are_those_of_the_atoms(cloud: Cloud) -> None:
+    generator = np.random.default_rng(13)
+    motion = generator.normal(size=(PAIRS, 6))
+    centres = np.array([cloud.centre_nm(pair) for pair in range(PAIRS)])[cloud.pairs]
+    arms = cloud.positions_nm - centres
+    atoms = motion[cloud.pairs, :3] + np.cross(motion[cloud.pairs, 3:], arms)
+    momenta = cloud.bodies.momenta(motion)
+    for pair in range(PAIRS):
+        chosen = cloud.pairs == pair
+        momentum = cloud.masses_Da[chosen, None] * atoms[chosen]
+        np.testing.assert_allclose(momenta[pair, :3], momentum.sum(axis=0), atol=1e-11)
+        moment = np.cross(arms[chosen], momentum).sum(axis=0)
+        np.testing.assert_allclose(momenta[pair, 3:], moment, atol=1e-11)

@@ -16,7 +16,6 @@ from dnawaves.trajectory.pattern import (
     directions,
     forces_at_full_strength,
     kick_pattern,
-    pivots,
 )
 from dnawaves.units import PN_PER_KJ_PER_MOL_NM
 
@@ -86,11 +85,11 @@ def test_bend_turns_about_the_axis_at_the_pairs_own_height(duplex: SimulatedDupl
     second = duplex.frame.directions[1]
     for pair in (0, 1):
         chosen = duplex.pairs == pair
-        arms = duplex.positions_nm[chosen] - pivots(duplex)[pair]
+        arms = duplex.positions_nm[chosen] - duplex.pivots_nm[pair]
         np.testing.assert_allclose(velocities[chosen], np.cross(0.5 * second, arms), atol=ROUND_OFF)
     assert not velocities[duplex.pairs > 1].any()
     # The pivots lie on the axis (no displacement across it) one rise apart.
-    np.testing.assert_allclose(np.diff(pivots(duplex), axis=0), [[0, 0, 0.3375]] * 5, atol=1e-7)
+    np.testing.assert_allclose(np.diff(duplex.pivots_nm, axis=0), [[0, 0, 0.3375]] * 5, atol=1e-7)
 
 
 @pytest.mark.parametrize("wave", WAVES)
@@ -174,7 +173,7 @@ def test_forces_add_up_to_what_is_declared(duplex: SimulatedDuplex, kind: str, w
     if wave in ("extension", "shear"):
         np.testing.assert_allclose(forces_pN.sum(axis=0), amount * along, atol=1e-9)
     else:
-        arms = duplex.positions_nm - pivots(duplex)[duplex.pairs]
+        arms = duplex.positions_nm - duplex.pivots_nm[duplex.pairs]
         torque = np.cross(arms, forces_pN).sum(axis=0) @ about
         assert torque == pytest.approx(amount, rel=1e-12)
     # They accelerate each pushed pair as a rigid body: nothing is left beside its rigid motion.

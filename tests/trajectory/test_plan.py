@@ -134,6 +134,14 @@ def test_each_declared_frequency_has_its_member(make: Callable[..., SceneSpec]) 
     assert fast.interval_ps <= 0.05 + 1e-12
 
 
+def test_a_drive_rises_over_periods_of_its_own(make: Callable[..., SceneSpec]) -> None:
+    sudden = make(drive(frequencies_GHz=[40.0, 80.0]))
+    assert [plan(sudden, member).ramp_ps for member in sudden.members] == [0, 0]
+    ramped = make(drive(frequencies_GHz=[40.0, 80.0], ramp_periods=1.5))
+    # Periods of 25 and 12.5 ps.
+    assert [plan(ramped, member).ramp_ps for member in ramped.members] == [37.5, 18.75]
+
+
 @pytest.mark.parametrize("fitted", [3.0, 15.0])
 def test_sweep_holds_the_lowest_modes_of_both_rods(
     make: Callable[..., SceneSpec], fitted: float

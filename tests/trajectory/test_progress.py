@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import time
 
 import pytest
 
@@ -20,3 +21,16 @@ def test_a_log_gets_ten_plain_lines(capsys: pytest.CaptureFixture[str]) -> None:
         assert pattern.fullmatch(line)
     assert lines[-1].startswith("scene x1: 20.0 of 20.0 ps")
     assert lines[-1].endswith(" 0 s left")
+
+
+def test_what_was_simulated_before_is_no_part_of_the_speed(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with progress("scene x1", 20.0, done_ps=10.0) as advance:
+        time.sleep(0.1)
+        advance(12.0)
+    (line,) = capsys.readouterr().err.splitlines()
+    match = re.fullmatch(r"scene x1: 12\.0 of 20\.0 ps, (\S+) ns/day, (\d+) s left", line)
+    assert match is not None
+    # 2 ps in at least 0.1 s; with the 10 ps from before it would be six times that.
+    assert 100 < float(match[1]) <= 2e-3 / 0.1 * 86_400

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import annotated_types
@@ -13,13 +15,15 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.sparse.linalg import eigsh
 from scipy.spatial.distance import cdist
+from scipy.spatial.transform import Rotation
 
 from dnawaves.errors import SimulationError
 from dnawaves.scene.models import Observation, SceneSpec
 from dnawaves.system.duplex import SimulatedDuplex
 from dnawaves.trajectory.pattern import kick_pattern
 from dnawaves.trajectory.plan import Plan
-from dnawaves.trajectory.run import Copy, run_member
+from dnawaves.trajectory.run import run_member
+from dnawaves.trajectory.signed_copy import Copy
 
 Array = NDArray[np.float64]
 MakeScene = Callable[..., SceneSpec]
@@ -289,28 +293,99 @@ def test_pulse_gives_its_impulse_to_a_free_duplex(relaxed: Any, make_scene: Make
     assert impulse > 50
 
 
-def test_explosion_names_time_and_atom(
-    relaxed: Any, make_scene: MakeScene, make_kick: MakeKick
+@pytest.mark.parametrize("kind", ["kick", "pulse"])
+@pytest.mark.parametrize("wave", WAVES)
+def test_what_is_put_in_is_what_a_free_duplex_has(
+    relaxed: Any, make_scene: MakeScene, make_kick: MakeKick, kind: str, wave: str
+) -> None:
+    load = {"force_pN": 1e3} if wave in ("extension", "shear") else {"torque_pN_nm": 1e3}
+    pulse = {"kind": "pulse", "wave": wave, "pairs": 2, "width_fs": 40.0, **load}
+    scene = make_scene(relaxed.duplex, make_kick(wave) if kind == "kick" else pulse)
+    plan = Plan(0.002, 20, 11, pulse_width_ps=0.04)
+    motion = run_member(relaxed.duplex, scene, plan, "x1", {}).dataset()
+    centres = motion["centre"].values + motion["displacement"].values
+    momenta = motion["mass"].values[:, None] * motion["velocity"].values
+    turned = Rotation.from_rotvec(motion["rotation"].values.reshape(-1, 3)).as_matrix()
+    turned = turned.reshape(*motion["rotation"].shape, 3)
+    spins = np.einsum(
+        "...ij,...jk,...lk,...l->...i",
+        turned,
+        motion["inertia"].values,
+        turned,
+        motion["angular_velocity"].values,
+    )
+    put_in = (motion["injected_momentum"].values, motion["injected_angular_momentum"].values)
+    found = (momenta.sum(axis=2), (np.cross(centres, momenta) + spins).sum(axis=2))
+    for whole, part in zip(put_in, found, strict=True):
+        # Momentum: what single-precision forces leave, as above. Angular momentum: each pair is
+        # taken as rigid with its inertia at rest, which deforms by some 1e-3.
+        np.testing.assert_allclose(part, whole, atol=5e-3 * np.abs(whole).max() + 5e-3)
+    assert np.abs(put_in[1]).max() > 100
+    gained = motion["total_energy"].values - motion["total_energy"].values[:, :1]
+    work = motion["work"].values
+    # The energy, in single precision, as above; the work, of second order in the timestep.
+    np.testing.assert_allclose(gained, work, atol=0.01 * work.max() + 5e-3)
+    assert (work[:, -1] > 0.5).all() == (kind == "pulse")
+
+
+def test_ramped_drive_stays_below_one_that_is_switched_on(
+    relaxed: Any, make_scene: MakeScene
+) -> None:
+    excitation = {
+        "kind": "periodic",
+        "wave": "extension",
+        "force_pN": 100,
+        "pairs": 2,
+        "frequencies_GHz": [1000.0],
+    }
+    scene = make_scene(relaxed.duplex, excitation, HELD)
+    plans = [Plan(0.002, 25, 21, frequency_GHz=1000.0, ramp_ps=ramp_ps) for ramp_ps in (0.0, 0.8)]
+    motions = [run_member(relaxed.duplex, scene, plan, "f1", {}).dataset() for plan in plans]
+    early = [motion.isel(time=slice(1, 5))["velocity"].values for motion in motions]
+    # In the first fifth of the ramp the force is below a tenth of its height.
+    assert np.abs(early[1]).max() < 0.1 * np.abs(early[0]).max()
+    motion = motions[1]
+    gained = motion["total_energy"].values - motion["total_energy"].values[:, :1]
+    work = motion["work"].values
+    # As for the drive without a ramp.
+    np.testing.assert_allclose(gained, work, atol=0.01 * work.max() + 2e-3)
+    assert work.max() > 0.05
+
+
+def test_explosion_names_step_atoms_and_forces_and_keeps_the_last_good_state(
+    relaxed: Any, make_scene: MakeScene, make_kick: MakeKick, tmp_path: Path
 ) -> None:
     # 3 fs is beyond the stability limit of the O-H stretch: the chain ends' hydroxyls go first.
     scene = make_scene(relaxed.duplex, make_kick("extension"))
-    pattern = r"test x1: at 0\.\d{3} ps atom \d+ \([AB]:[16] HO[35]'\) moves at \d+"
-    with pytest.raises(SimulationError, match=pattern):
-        run_member(relaxed.duplex, scene, Plan(0.003, 2, 200), "x1", {})
-
-
-def test_explosion_between_two_frames_is_named_too(
-    relaxed: Any, make_scene: MakeScene, make_kick: MakeKick
-) -> None:
-    scene = make_scene(relaxed.duplex, make_kick("extension"))
-    # OpenMM itself stops at a coordinate that is not a number.
-    with pytest.raises(SimulationError, match=r"test x1: at 0\.\d{3} ps atom .* moves at nan"):
-        run_member(relaxed.duplex, scene, Plan(0.003, 1000, 2), "x1", {})
+    found = []
+    # Frames every 2 steps, and one frame after OpenMM itself has met what is not a number.
+    for plan in (Plan(0.003, 2, 200), Plan(0.003, 1000, 2)):
+        with pytest.raises(SimulationError) as error:
+            run_member(relaxed.duplex, scene, plan, "x1", {}, checkpoints=tmp_path)
+        pattern = (
+            r"test x1: after (0\.\d{3}) ps, in step (\d+), atom (\d+) \([AB]:[16] HO[35]'\) "
+            r"moves at (\S+) nm/ps under a force of (\S+) kJ/mol/nm, atom .*; "
+            r"the last good state is in (.*)"
+        )
+        match = re.fullmatch(pattern, str(error.value))
+        assert match is not None
+        found.append(match)
+        time_ps, step, atom, speed, force = (float(text) for text in match.groups()[:5])
+        assert time_ps == pytest.approx(0.003 * (step - 1), abs=1e-3)
+        state = openmm.XmlSerializer.deserialize(Path(match[6]).read_text())
+        assert state.getStepCount() == step - 1
+        before, limit = state.getVelocities(asNumpy=True)._value, 50.0
+        assert np.linalg.norm(before, axis=1).max() < limit < speed
+        # What the force did in that step: m dv = F dt, of 1 Da.
+        change = speed - np.linalg.norm(before[int(atom)])
+        assert 0 < change <= 1.01 * force * 0.003 / relaxed.duplex.masses_Da[int(atom)]
+    # Both name the same step, as nothing is random.
+    assert found[0][2] == found[1][2]
 
 
 def test_absurd_kick_is_refused_at_once(
     relaxed: Any, make_scene: MakeScene, make_kick: MakeKick
 ) -> None:
     scene = make_scene(relaxed.duplex, make_kick("extension", scales=(5000,)))
-    with pytest.raises(SimulationError, match=r"x5000: at 0\.000 ps .* moves at 100"):
+    with pytest.raises(SimulationError, match=r"x5000: at the start .* moves at 100 nm/ps"):
         run_member(relaxed.duplex, scene, PLAN, "x5000", {})

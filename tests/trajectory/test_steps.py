@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import signal
+import subprocess
+import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,6 +16,7 @@ import pytest
 from dnawaves.errors import SimulationError
 from dnawaves.files import read_netcdf, write_json
 from dnawaves.scene.models import SceneSpec
+from dnawaves.trajectory.checkpoint import checkpoint_folder
 from dnawaves.trajectory.steps import simulate_step
 
 HELD = {"first": "held", "last": "held"}
@@ -93,7 +98,52 @@ def test_a_failed_run_leaves_an_earlier_one_as_it_was(simulate: Simulate) -> Non
     with pytest.raises(SimulationError):
         simulate({**excitation, "scales": [9999]}, HELD, "x9999", duration_ps=0.1)
     assert output.read_bytes() == before
-    assert [path.name for path in output.parent.iterdir()] == ["motion.nc"]
+    # And where it would go on from.
+    assert {path.name for path in output.parent.iterdir()} == {"motion.nc", ".motion.checkpoint"}
+
+
+# The command line with checkpoints of a small run as often as those of a large one.
+COMMAND = """
+import dnawaves.trajectory.checkpoint as checkpoint
+from dnawaves.cli import main
+checkpoint.ATOM_STEPS = 1e5
+main()
+"""
+
+
+def test_a_command_that_is_killed_goes_on_and_leaves_no_checkpoints(
+    relaxed: Any, make_scene: Callable[..., SceneSpec], tmp_path: Path
+) -> None:
+    excitation = {"kind": "kick", "wave": "twist", "angular_velocity_rad_per_ps": 0.02, "pairs": 2}
+    scene = make_scene(relaxed.duplex, excitation, HELD, duration_ps=4, interval_fs=20)
+    write_json(tmp_path / "scene.json", scene.model_dump(mode="json"))
+
+    def start(output: Path) -> subprocess.Popen[str]:
+        files = (relaxed.built_file, relaxed.relaxed_file, relaxed.hessian_file)
+        arguments = ["simulate", tmp_path / "scene.json", *files, "--member", "x1"]
+        command = [sys.executable, "-c", COMMAND, *arguments, "--output", output]
+        command += ["--trajectory", output.with_name("trajectory")]
+        return subprocess.Popen([str(one) for one in command], stderr=subprocess.PIPE, text=True)
+
+    killed, whole = (tmp_path / name / "motion.nc" for name in ("killed", "whole"))
+    process, folder = start(killed), checkpoint_folder(killed)
+    while not any(path.name.isdigit() for path in folder.glob("*")):
+        assert process.poll() is None
+        time.sleep(0.005)
+    process.kill()
+    process.communicate()
+    assert process.returncode == -signal.SIGKILL
+    assert not killed.exists()
+    said = [start(output).communicate(timeout=120)[1] for output in (killed, whole)]
+    assert "test x1: goes on at " in said[0] and "goes on" not in said[1]
+    for output in (killed, whole):
+        assert {path.name for path in output.parent.iterdir()} == {"motion.nc", "trajectory"}
+    one, other = read_netcdf(killed), read_netcdf(whole)
+    for name in one.variables:
+        np.testing.assert_array_equal(one[name], other[name])
+    for sign in ("plus", "minus"):
+        first, second = (out.with_name("trajectory") / f"{sign}.dcd" for out in (killed, whole))
+        assert first.read_bytes() == second.read_bytes()
 
 
 def test_a_load_is_simulated_from_files(relaxed: Any, simulate: Simulate) -> None:
@@ -116,8 +166,12 @@ def test_a_sweep_takes_its_frequencies_from_the_fitted_speed(
         "force_pN": 20,
         "pairs": 2,
         "sweep": {"scenes": ["other"], "points": 2},
+        "ramp_periods": 0.5,
     }
     motion = read_netcdf(simulate(excitation, HELD, "f2", None, table, duration_ps=0.02))
     length_A = float(motion["height"][-1] - motion["height"][0])
     # 1.3 times V/2L of the fitted rod, which is the faster one here.
-    assert motion.attrs["frequency_GHz"] == pytest.approx(1300 * 12.5 / (2 * length_A), rel=1e-9)
+    frequency_GHz = 1300 * 12.5 / (2 * length_A)
+    assert motion.attrs["frequency_GHz"] == pytest.approx(frequency_GHz, rel=1e-9)
+    # Rises over half a period.
+    assert motion.attrs["ramp_ps"] == pytest.approx(500 / frequency_GHz, rel=1e-9)

@@ -101,6 +101,21 @@ def test_resonance_fit_joins_drives_far_from_resonance() -> None:
     assert fit.friction_per_ps == pytest.approx(friction, rel=1e-3)
 
 
+def test_resonance_fit_knows_how_the_drives_rise() -> None:
+    frequency, friction = 0.70, 0.08
+    drives, ramps = [0.25, 0.45, 0.9], [25.0, 14.0, 7.0]
+    times = np.linspace(0, 12, 140)
+    runs = [
+        2.0 * sine_drive_response(times, [frequency], friction, drive, ramp)[1][:, 0]
+        for drive, ramp in zip(drives, ramps, strict=True)
+    ]
+    fit = resonance_fit([times] * 3, runs, drives, ramps)
+    assert fit.rate == pytest.approx(frequency, rel=1e-6)
+    assert fit.friction_per_ps == pytest.approx(friction, rel=1e-3)
+    # A drive that is there at once answers so differently that no oscillator can follow.
+    assert resonance_fit([times] * 3, runs, drives).misfit > 0.3
+
+
 def test_arrival_of_a_delta_kick_has_the_known_small_bias() -> None:
     speed = 8.19
     chain = ScalarChain.from_speed(60, speed, SPACING_NM, [])

@@ -28,6 +28,11 @@ scenes:
     ends: {first: held, last: held}
     excitation:
       {kind: periodic, wave: extension, force_pN: 20, sweep: {scenes: [kicked], points: 2}}
+  exact:
+    duplex: eight
+    environment: condensed
+    excitation: {kind: kick, wave: twist, angular_velocity_rad_per_ps: 0.01}
+    method: harmonic
   quiet:
     duplex: eight
     environment: condensed

@@ -25,9 +25,11 @@ def test_a_bare_call_plans_every_scene_of_the_folder_s_own_configuration(
     assert scheduled(project) == [
         "Building the duplex of eight-condensed",
         "Checking that eight-condensed is B-DNA",
+        "Fitting the speeds of exact",
         "Fitting the speeds of kicked",
         "Fitting the speeds of quiet",
         "Fitting the speeds of swept",
+        "Freezing the scene exact",
         "Freezing the scene kicked",
         "Freezing the scene quiet",
         "Freezing the scene swept",
@@ -38,12 +40,16 @@ def test_a_bare_call_plans_every_scene_of_the_folder_s_own_configuration(
         "Helical parameters of kicked, x1, plus",
         "Helical parameters of quiet, run, plus",
         "Holding all speeds against the theory",
+        "Normal modes of eight-condensed with 0 and 0 held",
+        "Normal modes of eight-condensed with 0 and 1 held",
         "Relaxing eight-condensed",
+        "Simulating exact, x1",
         "Simulating kicked, x0.5",
         "Simulating kicked, x1",
         "Simulating quiet, run",
         "Simulating swept, f1",
         "Simulating swept, f2",
+        "Stiffness of the segments of eight-condensed",
         "Writing results/report.html",
     ]
 

@@ -69,7 +69,7 @@ def test_a_sweep_runs_again_with_the_scene_it_takes_its_speed_from(
 def test_an_edited_environment_runs_its_system_and_all_its_scenes(
     scheduled: Any, finished: Path, edit: Any
 ) -> None:
-    everything = 22
+    everything = 28
     edit("condensed: {}", "condensed: {force_field: OL15}")
     jobs = scheduled(finished)
     assert len(jobs) == everything

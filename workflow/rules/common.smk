@@ -4,6 +4,7 @@ from snakemake.exceptions import WorkflowError
 
 from dnawaves.errors import InputError
 from dnawaves.scene.load import load_scenes
+from dnawaves.scene.pairs import held_counts
 
 
 def configuration_path(settings, configfiles):
@@ -37,3 +38,10 @@ def loaded(path):
 CONFIG = configuration_path(workflow.config_settings, workflow.configfiles)
 SCENES = loaded(CONFIG)
 SYSTEMS = {scene.system.name: scene.system for scene in SCENES.values()}
+
+
+def modes_for(scene):
+    """Return the file of normal modes that a harmonic scene needs, none for a simulated one."""
+    first, last = held_counts(scene.ends)
+    file = f"results/systems/{scene.system.name}/modes/{first}-{last}.nc"
+    return [file] if scene.method == "harmonic" else []

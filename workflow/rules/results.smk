@@ -33,9 +33,9 @@ rule report:
     input:
         "results/comparison.csv",
         expand(
-            "results/systems/{system}/{file}.nc",
+            "results/systems/{system}/{file}",
             system=SYSTEMS,
-            file=["structure", "relaxed"],
+            file=["structure.nc", "relaxed.nc", "segments.csv", "modes/0-0.nc"],
         ),
         expand("results/scenes/{scene}/waves.nc", scene=SCENES),
         [

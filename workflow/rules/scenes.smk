@@ -33,6 +33,7 @@ rule simulate:
         fitted=lambda w: [
             f"results/scenes/{source}/speeds.csv" for source in SCENES[w.scene].needs
         ],
+        modes=lambda w: modes_for(SCENES[w.scene]),
     output:
         motion="results/scenes/{scene}/{member}/motion.nc",
     log:
@@ -53,6 +54,7 @@ rule simulate:
             f"--fitted results/scenes/{source}/speeds.csv"
             for source in SCENES[w.scene].needs
         ],
+        modes=lambda w, input: f"--modes {input.modes}" if input.modes else "",
         trajectory=lambda w, output: (
             f"--trajectory {output.trajectory}"
             if "trajectory" in output.keys()
@@ -63,7 +65,7 @@ rule simulate:
     shell:
         "dnawaves simulate {input.scene} {input.built} {input.relaxed} {input.hessian}"
         " --member {wildcards.member} --output {output.motion}"
-        " {params.trajectory} {params.fitted} --threads {threads} > {log} 2>&1"
+        " {params.trajectory} {params.fitted} {params.modes} --threads {threads} > {log} 2>&1"
 
 
 use rule simulate as simulate_with_trajectory with:

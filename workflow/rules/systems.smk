@@ -70,6 +70,56 @@ rule relax:
         " --hessian {output.hessian} --threads {threads} > {log} 2>&1"
 
 
+rule modes:
+    input:
+        spec="results/systems/{system}/system.json",
+        built="results/systems/{system}/built.pdb",
+        relaxed="results/systems/{system}/relaxed.nc",
+        hessian="results/systems/{system}/hessian.npz",
+    output:
+        # Named by the number of base pairs held at either end.
+        "results/systems/{system}/modes/{first}-{last}.nc",
+    log:
+        "results/logs/modes/{system}.{first}-{last}.log",
+    benchmark:
+        "results/benchmarks/modes/{system}.{first}-{last}.tsv"
+    wildcard_constraints:
+        first=r"\d+",
+        last=r"\d+",
+    conda:
+        "../envs/dnawaves.yaml"
+    threads: 2
+    resources:
+        mem_mb=4000,
+        runtime=60,
+    message:
+        "Normal modes of {wildcards.system} with {wildcards.first} and {wildcards.last} held"
+    shell:
+        "dnawaves modes {input.spec} {input.built} {input.relaxed} {input.hessian}"
+        " --first {wildcards.first} --last {wildcards.last} --output {output} > {log} 2>&1"
+
+
+rule segments:
+    input:
+        "results/systems/{system}/modes/0-0.nc",
+    output:
+        "results/systems/{system}/segments.csv",
+    log:
+        "results/logs/segments/{system}.log",
+    benchmark:
+        "results/benchmarks/segments/{system}.tsv"
+    conda:
+        "../envs/dnawaves.yaml"
+    threads: 1
+    resources:
+        mem_mb=1000,
+        runtime=10,
+    message:
+        "Stiffness of the segments of {wildcards.system}"
+    shell:
+        "dnawaves segments {input} --output {output} > {log} 2>&1"
+
+
 rule inspect:
     input:
         spec="results/systems/{system}/system.json",

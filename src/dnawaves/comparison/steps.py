@@ -76,9 +76,14 @@ def agreement(table: pd.DataFrame, wave: str) -> list[str]:
     ]
 
 
+def lowest_first(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return estimates by frequency, those of simulated scenes before the harmonic ones."""
+    return rows.assign(exact=rows["method"] != "simulated").sort_values(["exact", "frequency_GHz"])
+
+
 def _agreement_in_system(group: pd.DataFrame) -> list[str]:
     known = group[group["speed_A_per_ps"].notna()]
-    standing = known[known["estimator"] == "standing wave"].sort_values("frequency_GHz")
+    standing = lowest_first(known[known["estimator"] == "standing wave"])
     if standing.empty:
         return []
     yardstick = standing.iloc[0]

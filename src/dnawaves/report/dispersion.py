@@ -87,7 +87,7 @@ def dispersion_figure(table: pd.DataFrame, spacing_A: float) -> go.Figure:
             hoverinfo="name",
         )
     for (name, estimator), rows in points.groupby(["wave", "estimator"], sort=False):
-        _add_points(figure, str(name), str(estimator), rows)
+        add_points(figure, str(name), str(estimator), rows)
     _add_legend(figure)
     top = 1.25 * float(points["frequency_GHz"].max())
     figure.update_layout(xaxis_range=[0, k[-1]], yaxis_range=[0, top])
@@ -112,7 +112,8 @@ def _add_legend(figure: go.Figure) -> None:
         figure.add_scatter(x=[None], y=[None], name=name, **style)
 
 
-def _add_points(figure: go.Figure, wave: str, estimator: str, rows: pd.DataFrame) -> None:
+def add_points(figure: go.Figure, wave: str, estimator: str, rows: pd.DataFrame) -> None:
+    """Add the standing waves of one wave and estimator, with their intervals."""
     # All speeds of a row are its frequencies over one wavenumber: the interval carries over.
     per_speed = rows["frequency_GHz"] / rows["speed_A_per_ps"]
     spread: Mapping[str, object] = {

@@ -20,11 +20,16 @@ from dnawaves.waves.table import read_table
 
 @dataclass(frozen=True)
 class SystemResults:
-    """A relaxed duplex: its inspection and the attributes of its minimum."""
+    """A relaxed duplex: its inspection, the attributes of its minimum, its harmonic reference.
+
+    `segments` is its stiffness by length, `structure_factor` S(q, f) of its base pairs.
+    """
 
     spec: SystemSpec
     structure: xr.Dataset
     minimum: Mapping[str, Any]
+    segments: pd.DataFrame
+    structure_factor: xr.DataArray
 
 
 @dataclass(frozen=True)
@@ -141,7 +146,14 @@ def _number(text: str | None) -> float | None:
 def _system(results: Path, spec: SystemSpec) -> SystemResults:
     folder = results / "systems" / spec.name
     structure = read_netcdf(_existing(folder / "structure.nc"))
-    return SystemResults(spec, structure, read_netcdf(_existing(folder / "relaxed.nc")).attrs)
+    modes = read_netcdf(_existing(folder / "modes" / "0-0.nc"), "velocity_structure_factor")
+    return SystemResults(
+        spec,
+        structure,
+        read_netcdf(_existing(folder / "relaxed.nc")).attrs,
+        pd.read_csv(_existing(folder / "segments.csv")),
+        modes["velocity_structure_factor"],
+    )
 
 
 def _scene(results: Path, spec: SceneSpec, table: pd.DataFrame) -> SceneResults:

@@ -15,14 +15,21 @@ from dnawaves.report.costs import NOT_RECORDED, costs_figure, costs_table, jobs_
 from dnawaves.report.dispersion import dispersion_figure, standing_points
 from dnawaves.report.gather import Results
 from dnawaves.report.legend import legend
+from dnawaves.report.molecule import (
+    constants_table,
+    segments_figure,
+    structure_factor_figure,
+    twins_table,
+)
 from dnawaves.report.numbers import BLANK, counted, digits
 from dnawaves.report.scene_section import scene_section
 from dnawaves.report.speeds import speeds_figure
 from dnawaves.report.structure import B_FORM, STEP_PARAMETERS, step_profile, structure_table
 from dnawaves.report.style import Illustration
 from dnawaves.report.tables import VERDICT_HEADER, verdicts
-from dnawaves.report.theory import errata_table
+from dnawaves.report.theory import errata_table, paper_dispersion
 from dnawaves.report.words import headlines
+from dnawaves.waves.record import AXIAL_WAVES
 
 TITLE = "Does DNA carry waves as the elastic rod says?"
 
@@ -52,9 +59,12 @@ def render(results: Results) -> str:
         blank=BLANK,
         verdicts=verdicts(results.table),
         dispersion=_dispersion(results),
+        molecule={name: _molecule(results, name) for name in results.systems},
+        twins=twins_table(results),
         structures=structure_table(list(results.systems.values())),
         profiles={name: _profiles(system.structure) for name, system in results.systems.items()},
         errata=errata_table(),
+        paper_dispersion=paper_dispersion(results.table),
         costs=_costs(results),
         versions=_versions(results),
         configuration=_configuration(results),
@@ -107,6 +117,19 @@ def _dispersion(results: Results) -> list[Illustration]:
                 )
             )
     return shown
+
+
+def _molecule(results: Results, name: str) -> dict[str, object]:
+    system = results.systems[name]
+    table = results.table[results.table["system"] == name]
+    spacing_A = next(s.spacing_A for s in results.scenes.values() if s.spec.system.name == name)
+    return {
+        "constants": constants_table(system),
+        "figures": [
+            segments_figure(system, table),
+            *(structure_factor_figure(system, wave, spacing_A) for wave in AXIAL_WAVES),
+        ],
+    }
 
 
 def _profiles(structure: xr.Dataset) -> list[Illustration]:

@@ -21,9 +21,16 @@ RAD_PER_PS_PER_GHZ = 2e-3 * np.pi
 
 
 def driven_peak(
-    times_ps: Array, frequency_GHz: float, friction_per_ps: float, drives_GHz: Array
+    times_ps: Array,
+    frequency_GHz: float,
+    friction_per_ps: float,
+    drives_GHz: Array,
+    ramp_periods: float = 0.0,
 ) -> Array:
-    """Return the largest speed in the record of an oscillator driven from rest, per drive."""
+    """Return the largest speed in the record of an oscillator driven from rest, per drive.
+
+    Each drive rises over `ramp_periods` of its own periods.
+    """
     return np.array(
         [
             np.abs(
@@ -32,6 +39,7 @@ def driven_peak(
                     [frequency_GHz * RAD_PER_PS_PER_GHZ],
                     friction_per_ps,
                     drive * RAD_PER_PS_PER_GHZ,
+                    ramp_periods * 1e3 / drive,
                 )[1]
             ).max()
             for drive in drives_GHz
@@ -46,6 +54,7 @@ def resonance_figure(
     times_ps: Array,
     fitted: tuple[float, float],
     paper_f1_GHz: float,
+    ramp_periods: float = 0.0,
 ) -> go.Figure:
     """Return the response (drive,) with the fitted oscillator and the paper's lowest mode.
 
@@ -55,10 +64,10 @@ def resonance_figure(
     frequency_GHz, friction = fitted
     every = np.array([*drives_GHz, frequency_GHz, paper_f1_GHz])
     grid = np.linspace(0.85 * every.min(), 1.15 * every.max(), 80)
-    at_drives = driven_peak(times_ps, frequency_GHz, friction, drives_GHz)
+    at_drives = driven_peak(times_ps, frequency_GHz, friction, drives_GHz, ramp_periods)
     gain = float(at_drives @ response / (at_drives @ at_drives))
-    curve = gain * driven_peak(times_ps, frequency_GHz, friction, grid)
-    paper = gain * driven_peak(times_ps, paper_f1_GHz, 0.0, grid)
+    curve = gain * driven_peak(times_ps, frequency_GHz, friction, grid, ramp_periods)
+    paper = gain * driven_peak(times_ps, paper_f1_GHz, 0.0, grid, ramp_periods)
     figure = blank_figure("drive (GHz)", f"velocity of the mode ({readable_unit(units)})")
     figure.add_scatter(
         x=drives_GHz,

@@ -113,6 +113,10 @@ def _marks(scene: SceneResults, excitation: Kick | Pulse | StandingWave | Period
     return Marks(fronts=fronts, source_A=float(source), window_ps=window)
 
 
+def _made_by(scene: SceneResults) -> str:
+    return "Exact linear answer" if scene.spec.method == "harmonic" else "Simulation"
+
+
 def _kymographs(scene: SceneResults, wave: str, marks: Marks) -> list[Illustration]:
     field = scene.waves[f"{wave}_velocity"]
     units = str(field.attrs["units"])
@@ -136,7 +140,7 @@ def _kymographs(scene: SceneResults, wave: str, marks: Marks) -> list[Illustrati
     )
     shown = [
         Illustration(
-            f"Simulation{which}",
+            f"{_made_by(scene)}{which}",
             kymograph(field, units, limit, marks),
             f"Velocity field of {wave}, half the difference of the two signs. {lines} {whole} "
             "The strongest motion is beyond the colours.",
@@ -188,6 +192,7 @@ def _resonance(scene: SceneResults, excitation: Periodic) -> list[Illustration]:
         scene.waves["time"].values,
         (float(row["frequency_GHz"]), float(row["friction_per_ps"])),
         float(row["paper_frequency_GHz"]),
+        excitation.ramp_periods,
     )
     caption = (
         f"The largest velocity of the lowest standing wave within the record, for each drive. The "

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from dnawaves.comparison.steps import agreement
+from dnawaves.comparison.steps import agreement, lowest_first
 from dnawaves.report.numbers import between, counted, digits, listed
 from dnawaves.scene.models import Kick, Periodic, Pulse, SceneSpec, StandingWave, Static
 from dnawaves.waves.record import AXIAL_WAVES
@@ -47,7 +47,7 @@ def headlines(table: pd.DataFrame) -> list[Headline]:
     for (system, wave), rows in table.groupby(["system", "wave"], sort=False):
         known = rows[rows["speed_A_per_ps"].notna()]
         for estimator in HOW:
-            chosen = known[known["estimator"] == estimator].sort_values("frequency_GHz")
+            chosen = lowest_first(known[known["estimator"] == estimator])
             if len(chosen):
                 axial = wave in AXIAL_WAVES
                 words = _headline if axial or estimator != "standing wave" else _dispersive

@@ -8,7 +8,7 @@ from pathlib import Path
 from dnawaves.errors import InputError
 from dnawaves.files import write_json
 from dnawaves.scene.load import load_scenes
-from dnawaves.scene.models import Model
+from dnawaves.scene.model import Model
 
 
 def freeze(config: Path, scene: str | None, system: str | None, output: Path) -> None:

@@ -13,6 +13,8 @@ from pydantic_core import ErrorDetails
 
 from dnawaves.errors import InputError
 from dnawaves.files import read_json
+from dnawaves.scene.contradictions import contradictions
+from dnawaves.scene.environment import Environment
 from dnawaves.scene.models import (
     Configuration,
     Kick,
@@ -24,6 +26,7 @@ from dnawaves.scene.models import (
     StandingWave,
     SystemSpec,
 )
+from dnawaves.scene.pairs import held_pairs
 from dnawaves.scene.sequence import check_sequence
 
 Spec = TypeVar("Spec", SceneSpec, SystemSpec)
@@ -125,6 +128,9 @@ def _resolve(
                     "kick or standing-wave scenes of the same wave, duplex and environment: "
                     f"{_listed(candidates)}",
                 )
+    _check_pairs_of_effects(
+        scene, configuration.environments[scene.environment], len(sequence), refuse
+    )
     if isinstance(excitation, StandingWave) and excitation.mode > free:
         refuse("excitation.mode", excitation.mode, f"1 to {free}, the number of free base pairs")
     return SceneSpec(
@@ -137,7 +143,27 @@ def _resolve(
         ends=scene.ends,
         excitation=excitation,
         observation=scene.observation,
+        method=scene.method,
+        masses=scene.masses,
     )
+
+
+def _check_pairs_of_effects(
+    scene: Scene, environment: Environment, pairs: int, refuse: Any
+) -> None:
+    heavier = [added.pair for added in scene.masses]
+    start = environment.relaxation.start
+    for field, wanted in (
+        ("masses.pair", max(heavier, default=1)),
+        ("environment.relaxation.start.last", start.last if start else 1),
+    ):
+        if wanted > pairs:
+            refuse(field, wanted, f"1 to {pairs}, the number of base pairs")
+    found = contradictions(
+        frozen=held_pairs(scene.ends, pairs), heavier=[pair - 1 for pair in heavier]
+    )
+    if found:
+        refuse("masses", heavier, "; ".join(map(str, found)))
 
 
 def _check_room(scene: Scene, pairs: int, refuse: Any) -> int:

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from pydantic import (
-    AfterValidator,
-    BaseModel,
-    ConfigDict,
-    Field,
-    NonNegativeInt,
-    PositiveFloat,
-    model_validator,
-)
+from pydantic import AfterValidator, Field, PositiveFloat, PositiveInt, model_validator
+
+from dnawaves.scene.environment import Environment
+from dnawaves.scene.model import Model
 
 Wave = Literal["extension", "twist", "bend", "shear"]
+Method = Literal["simulated", "harmonic"]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
 SMALLEST_PULSE_TIMESTEPS = 10
 
@@ -26,53 +22,6 @@ def _distinct(scales: tuple[float, ...]) -> tuple[float, ...]:
 
 
 Scales = Annotated[tuple[PositiveFloat, ...], Field(min_length=1), AfterValidator(_distinct)]
-
-
-class Model(BaseModel):
-    """A part of the configuration."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=False)
-
-
-class Relaxation(Model):
-    """The way from the built duplex to the minimum that every scene of the system starts from."""
-
-    anneal_temperature_K: Annotated[float, Field(ge=0, le=400)] = Field(
-        150.0, description="temperature at which the anneal starts; it falls linearly to zero"
-    )
-    anneal_ps: Annotated[float, Field(ge=0, le=10_000)] = Field(
-        12.0, description="length of the anneal; another length or seed finds another structure"
-    )
-    seed: NonNegativeInt = Field(1, description="seed of the anneal's velocities and noise")
-    force_tolerance_kJ_per_mol_nm: PositiveFloat = Field(
-        1e-4, description="root-mean-square force at which the structure counts as a minimum"
-    )
-
-
-class Environment(Model):
-    """What surrounds the duplex and by which forces its atoms act on each other."""
-
-    force_field: Literal["OL21", "OL15", "bsc1"] = Field(
-        "OL21", description="Amber DNA force field"
-    )
-    counterion_fraction: Annotated[float, Field(ge=0, le=1)] = Field(
-        1.0, description="condensed counterion charge per phosphate, spread over P, OP1 and OP2"
-    )
-    cutoff_nm: Annotated[float, Field(ge=0.8, le=3.0)] = Field(
-        0.9, description="where the reaction field's force has come to zero"
-    )
-    switch_nm: Annotated[float, Field(ge=0.5, le=3.0)] = Field(
-        0.8, description="where the Lennard-Jones potential starts to be switched off"
-    )
-    relaxation: Relaxation = Relaxation()
-
-    @model_validator(mode="after")
-    def _switch_below_cutoff(self) -> Self:
-        if self.switch_nm >= self.cutoff_nm:
-            raise ValueError(
-                f"switch_nm must be below cutoff_nm ({self.cutoff_nm:g}), found {self.switch_nm:g}"
-            )
-        return self
 
 
 class Ends(Model):
@@ -186,6 +135,9 @@ class Periodic(_Forced, _Local):
         None, description="drive frequencies, one run each"
     )
     sweep: Sweep | None = Field(None, description="frequencies from fitted scenes instead")
+    ramp_periods: Annotated[float, Field(ge=0, le=1000)] = Field(
+        0.0, description="periods of the drive over which it rises to its full strength"
+    )
 
     @model_validator(mode="after")
     def _one_source_of_frequencies(self) -> Self:
@@ -234,6 +186,13 @@ class Observation(Model):
     )
 
 
+class AddedMass(Model):
+    """Mass that a base pair carries, such as a bound protein's, spread over the pair's atoms."""
+
+    pair: PositiveInt = Field(description="number of the base pair, from 1")
+    mass_Da: Annotated[float, Field(gt=0, le=1e7)] = Field(description="mass added to the pair")
+
+
 class Scene(Model):
     """One experiment: a duplex, its environment, its ends, what excites it, what is observed."""
 
@@ -242,10 +201,44 @@ class Scene(Model):
     ends: Ends = Ends()
     excitation: Excitation
     observation: Observation = Observation()
+    method: Method = Field(
+        "simulated",
+        description="simulated: every atom integrated in time; harmonic: the exact answer of the "
+        "linearised duplex, from its normal modes",
+    )
+    masses: tuple[AddedMass, ...] = Field(
+        (), description="base pairs that carry added mass: another motion from the same minimum"
+    )
+
+    @model_validator(mode="after")
+    def _masses_matter(self) -> Self:
+        kind = self.excitation.kind
+        if self.masses and self.method == "harmonic":
+            raise ValueError(
+                "masses contradict method 'harmonic': the normal modes are those of the duplex "
+                "alone; take method 'simulated'"
+            )
+        if self.masses and kind in ("static", "none"):
+            raise ValueError(f"masses contradict excitation.kind '{kind}': nothing moves there")
+        pairs = [added.pair for added in self.masses]
+        if len(set(pairs)) != len(pairs):
+            raise ValueError(f"masses must be on base pairs that differ, found {pairs}")
+        return self
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         excitation, ends, observed = self.excitation, self.ends, self.observation
+        if self.method == "harmonic" and isinstance(excitation, Static | Nothing):
+            raise ValueError(
+                "method 'harmonic' goes with excitation.kind 'kick', 'standing_wave', 'pulse' or "
+                f"'periodic', found kind '{excitation.kind}'; a static scene's own answer "
+                "includes the harmonic one, and without excitation nothing moves"
+            )
+        if self.method == "harmonic" and observed.helical:
+            raise ValueError(
+                "method 'harmonic' knows base pairs and no atoms, so observation.helical must be "
+                "false, found true"
+            )
         both_held = ends.first == "held" and ends.last == "held"
         if isinstance(excitation, StandingWave | Periodic) and not both_held:
             raise ValueError(
@@ -327,6 +320,8 @@ class SceneSpec(Model):
     ends: Ends
     excitation: Excitation
     observation: Observation
+    method: Method = "simulated"
+    masses: tuple[AddedMass, ...] = ()
 
     @property
     def members(self) -> tuple[str, ...]:

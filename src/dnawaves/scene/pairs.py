@@ -5,11 +5,16 @@ from __future__ import annotations
 from dnawaves.scene.models import Ends, Kick, Periodic, Pulse
 
 
+def held_counts(ends: Ends) -> tuple[int, int]:
+    """Return how many base pairs do not move at the first and at the last end."""
+    first, last = (ends.pairs if end == "held" else 0 for end in (ends.first, ends.last))
+    return first, last
+
+
 def held_pairs(ends: Ends, pairs: int) -> list[int]:
     """Return the base pairs that do not move."""
-    first = list(range(ends.pairs)) if ends.first == "held" else []
-    last = list(range(pairs - ends.pairs, pairs)) if ends.last == "held" else []
-    return first + last
+    first, last = held_counts(ends)
+    return [*range(first), *range(pairs - last, pairs)]
 
 
 def excited_pairs(excitation: Kick | Pulse | Periodic, ends: Ends) -> list[int]:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from dnawaves.scene.models import SceneSpec
 
-HEADER = ("scene", "duplex", "bp", "environment", "ends", "excitation", "runs")
+HEADER = ("scene", "duplex", "bp", "environment", "ends", "excitation", "method", "runs")
 
 
 def scene_table(scenes: Mapping[str, SceneSpec]) -> str:
@@ -29,5 +29,6 @@ def _row(scene: SceneSpec) -> tuple[str, ...]:
         system.environment_name,
         f"{scene.ends.first}-{scene.ends.last}",
         f"{excitation.kind} {wave}" if wave else excitation.kind,
+        scene.method,
         " ".join(scene.members),
     )

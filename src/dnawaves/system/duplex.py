@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from openmm import app, unit
 
 from dnawaves.errors import InputError
 from dnawaves.scene.models import SystemSpec
+from dnawaves.system.effects.masses import add_mass
 from dnawaves.system.forces import build_system
 from dnawaves.system.geometry import (
     HelixFrame,
@@ -28,16 +30,23 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class SimulatedDuplex:
-    """A duplex in its environment at positions (atoms, 3) in nm."""
+    """A duplex in its environment at positions (atoms, 3) in nm.
+
+    `added_Da` holds the mass that base pairs carry besides their own, by their indices.
+    """
 
     spec: SystemSpec
     topology: app.Topology
     positions_nm: Array
+    added_Da: Mapping[int, float] = field(default_factory=dict)
 
     @cached_property
     def system(self) -> openmm.System:
         """The OpenMM System with every atom free."""
-        return build_system(self.topology, self.spec.environment)
+        system = build_system(self.topology, self.spec.environment)
+        for pair, added_Da in self.added_Da.items():
+            add_mass(system, np.flatnonzero(self.pairs == pair), added_Da)
+        return system
 
     @cached_property
     def masses_Da(self) -> Array:
@@ -81,6 +90,11 @@ class SimulatedDuplex:
         return self.frame.height_nm(anchors.mean(axis=0))
 
     @property
+    def pivots_nm(self) -> Array:
+        """The point of the helix axis at the height of each base pair, (N, 3)."""
+        return self.frame.origin_nm + self.heights_nm[:, None] * self.frame.axis
+
+    @property
     def spacing_nm(self) -> float:
         """Mean distance of neighbouring base pairs along the axis."""
         return float(self.heights_nm[-1] - self.heights_nm[0]) / (self.pair_count - 1)
@@ -94,7 +108,11 @@ class SimulatedDuplex:
 
     def with_positions(self, positions_nm: Array) -> SimulatedDuplex:
         """Return the same duplex at other positions."""
-        return SimulatedDuplex(self.spec, self.topology, positions_nm)
+        return replace(self, positions_nm=positions_nm)
+
+    def with_added_mass(self, added_Da: Mapping[int, float]) -> SimulatedDuplex:
+        """Return the same duplex with mass (Da) added to base pairs, by their indices."""
+        return replace(self, added_Da=dict(added_Da))
 
 
 def read_built(spec: SystemSpec, structure: Path) -> SimulatedDuplex:

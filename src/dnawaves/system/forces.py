@@ -1,11 +1,12 @@
-"""The forces of the environment: Amber DNA, condensed counterions, a continuous cutoff."""
+"""The forces of the environment: Amber DNA with condensed counterions or implicit solvent."""
 
 from __future__ import annotations
 
 import openmm
 from openmm import app, unit
 
-from dnawaves.scene.models import Environment
+from dnawaves.scene.environment import Environment
+from dnawaves.system.effects.implicit import custom_born, native_obc2
 
 FORCE_FIELD_FILES = {
     "OL21": "amber19/DNA.OL21.xml",
@@ -22,27 +23,54 @@ def load_force_field(environment: Environment) -> app.ForceField:
 
 
 def build_system(topology: app.Topology, environment: Environment) -> openmm.System:
-    """Return the OpenMM System of a duplex in vacuum with condensed counterions.
+    """Return the OpenMM System of a duplex in its environment.
 
-    Coulomb forces go to zero at the cutoff (reaction field of a conductor), Lennard-Jones forces
-    are switched off below it, so that the force has no jump and energy is conserved. Nothing is
-    constrained and nothing removes the motion of the centre of mass: a remover would answer a
-    kick, a load or a held end with a recoil of the whole duplex at once.
+    Nothing is constrained and nothing removes the motion of the centre of mass: a remover would
+    answer a kick, a load or a held end with a recoil of the whole duplex at once.
     """
+    implicit = environment.solvent != "none"
     system = load_force_field(environment).createSystem(
         topology,
-        nonbondedMethod=app.CutoffNonPeriodic,
-        nonbondedCutoff=environment.cutoff_nm * unit.nanometer,
+        nonbondedMethod=app.NoCutoff if implicit else app.CutoffNonPeriodic,
         constraints=None,
         rigidWater=False,
         removeCMMotion=False,
     )
     nonbonded = nonbonded_force(system)
+    if implicit:
+        system.addForce(_implicit_solvent(topology, environment, charges_e(nonbonded)))
+    else:
+        assert environment.cutoff_nm and environment.switch_nm
+        assert environment.counterion_fraction is not None
+        cut_off(nonbonded, environment.cutoff_nm, environment.switch_nm)
+        condense_counterions(nonbonded, topology, environment.counterion_fraction)
+    return system
+
+
+def cut_off(nonbonded: openmm.NonbondedForce, cutoff_nm: float, switch_nm: float) -> None:
+    """Let the forces end at a cutoff without a jump, so that energy is conserved.
+
+    Coulomb forces go to zero at the cutoff (reaction field of a conductor), Lennard-Jones forces
+    are switched off below it.
+    """
+    nonbonded.setCutoffDistance(cutoff_nm * unit.nanometer)
     nonbonded.setReactionFieldDielectric(CONDUCTOR_DIELECTRIC)
     nonbonded.setUseSwitchingFunction(True)
-    nonbonded.setSwitchingDistance(environment.switch_nm * unit.nanometer)
-    condense_counterions(nonbonded, topology, environment.counterion_fraction)
-    return system
+    nonbonded.setSwitchingDistance(switch_nm * unit.nanometer)
+
+
+def _implicit_solvent(
+    topology: app.Topology, environment: Environment, charges: list[float]
+) -> openmm.Force:
+    if environment.salt_M == 0:
+        return native_obc2(topology, charges, surface_area=environment.surface_area)
+    return custom_born(
+        "OBC2",
+        topology,
+        FORCE_FIELD_FILES[environment.force_field],
+        salt_M=environment.salt_M,
+        surface_area=environment.surface_area,
+    )
 
 
 def nonbonded_force(system: openmm.System) -> openmm.NonbondedForce:

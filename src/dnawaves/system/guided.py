@@ -97,27 +97,14 @@ class GuidedEnd:
         "shear" is a pair's displacement across the axis at its height, "bend" its rotation about
         the two transverse directions; both are linear in small displacements of the atoms.
         """
-        duplex, frame = self.duplex, self.duplex.frame
-        rows = []
-        for pair in range(self.held, duplex.pair_count - 1):
-            atoms = np.flatnonzero(duplex.pairs == pair)
-            masses = duplex.masses_Da[atoms]
-            arms = duplex.positions_nm[atoms] - duplex.bodies.centres_nm[pair]
-            # Velocity and angular velocity of the pair per unit velocity of each atom.
-            linear = np.einsum("a,xy->xay", masses / masses.sum(), np.eye(3))
-            momenta = np.cross(arms[:, None, :], np.eye(3)) * masses[:, None, None]
-            inverse = np.linalg.inv(duplex.bodies.inertia_Da_nm2[pair])
-            angular = np.einsum("xz,ayz->xay", inverse, momenta)
-            on_axis = frame.origin_nm + duplex.heights_nm[pair] * frame.axis
-            lever = on_axis - duplex.bodies.centres_nm[pair]
-            shift = linear + np.cross(angular, lever, axisa=0, axisc=0)
-            for wave, motion in (("shear", shift), ("bend", angular)):
-                if wave in waves:
-                    for direction in frame.directions[:2]:
-                        row = np.zeros_like(duplex.positions_nm)
-                        row[atoms] = np.tensordot(direction, motion, axes=1)
-                        rows.append(np.append(row[self.free].ravel(), 0.0))
-        return np.array(rows)
+        duplex, pairs = self.duplex, slice(self.held, -1)
+        columns = duplex.bodies.velocity_map()[:, np.repeat(self.free, 3)].toarray()
+        linear, angular = np.split(columns.reshape(duplex.pair_count, 6, -1)[pairs], 2, axis=1)
+        lever = (duplex.pivots_nm - duplex.bodies.centres_nm)[pairs, :, None]
+        motions = {"shear": linear + np.cross(angular, lever, axis=1), "bend": angular}
+        across = duplex.frame.directions[:2]
+        rows = np.concatenate([across @ motions[wave] for wave in waves], axis=1)
+        return np.pad(rows.reshape(-1, columns.shape[1]), ((0, 0), (0, 1)))
 
 
 def linear_response(end: GuidedEnd, hessian: Array) -> dict[str, float]:

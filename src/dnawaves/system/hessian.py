@@ -1,7 +1,8 @@
-"""The Hessian by central differences of forces, with the sparsity that a cutoff gives."""
+"""The Hessian by central differences of forces, with the sparsity that a cutoff gives, if any."""
 
 from __future__ import annotations
 
+import time
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -37,12 +38,13 @@ class Hessian:
     """Differentiates the forces of one System, on several threads.
 
     Atoms further apart than twice the cutoff share no neighbour, so they are displaced together
-    and each answer is attributed to the one displaced atom in reach.
+    and each answer is attributed to the one displaced atom in reach. Without a cutoff (None) each
+    atom is displaced on its own.
     """
 
-    def __init__(self, system: openmm.System, cutoff_nm: float, threads: int) -> None:
+    def __init__(self, system: openmm.System, cutoff_nm: float | None, threads: int) -> None:
         # A pair that a displacement brings within the cutoff must count as in reach.
-        self._reach_nm = cutoff_nm + 10 * DISPLACEMENT_NM
+        self._reach_nm = np.inf if cutoff_nm is None else cutoff_nm + 10 * DISPLACEMENT_NM
         # OpenMM computes outside Python's lock, so threads with a Context each run side by side.
         self._forces = [ReferenceForces(system) for _ in range(threads)]
 
@@ -53,14 +55,16 @@ class Hessian:
         """
         atoms = len(positions_nm)
         groups = independent_groups(positions_nm, 2 * self._reach_nm)
-        tree = cKDTree(positions_nm)
+        tree, everything = cKDTree(positions_nm), list(range(atoms))
         hessian = np.zeros((atoms, 3, atoms, 3))
 
         def fill(worker: int) -> None:
             for group in groups[worker :: len(self._forces)]:
                 columns = _columns(self._forces[worker], positions_nm, group)
                 for atom in group:
-                    near = tree.query_ball_point(positions_nm[atom], self._reach_nm)
+                    near = everything
+                    if np.isfinite(self._reach_nm):
+                        near = tree.query_ball_point(positions_nm[atom], self._reach_nm)
                     hessian[near, :, atom, :] = np.moveaxis(columns[:, near], 0, -1)
 
         with ThreadPoolExecutor(len(self._forces)) as pool:
@@ -70,6 +74,21 @@ class Hessian:
         flat += flat.T.copy()
         flat *= 0.5
         return flat, asymmetry
+
+    def price(self, positions_nm: Array) -> str:
+        """Return in words what one Hessian costs, from the time of one evaluation."""
+        evaluate, atoms = self._forces[0], len(positions_nm)
+        evaluate(positions_nm)  # the first one also sets up what is reused
+        started = time.perf_counter()
+        evaluate(positions_nm)
+        each_s = time.perf_counter() - started
+        groups = len(independent_groups(positions_nm, 2 * self._reach_nm))
+        evaluations = 6 * groups
+        return (
+            f"a Hessian takes {evaluations} evaluations of the forces, about "
+            f"{evaluations * each_s / len(self._forces):.0f} s, and "
+            f"{8e-6 * (3 * atoms) ** 2:.0f} MB"
+        )
 
 
 def _columns(forces: ReferenceForces, positions_nm: Array, group: Indices) -> Array:
@@ -86,6 +105,8 @@ def _columns(forces: ReferenceForces, positions_nm: Array, group: Indices) -> Ar
 
 def independent_groups(positions_nm: Array, separation_nm: float) -> list[Indices]:
     """Return groups of atoms such that two of one group lie further apart than `separation_nm`."""
+    if np.isinf(separation_nm):
+        return list(np.arange(len(positions_nm), dtype=np.intp)[:, None])
     tree = cKDTree(positions_nm)
     # Along the longest extent, greedy filling packs the most atoms into a group.
     extent = int(np.argmax(np.ptp(positions_nm, axis=0)))

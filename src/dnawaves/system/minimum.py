@@ -33,6 +33,14 @@ class BasinLeftError(SimulationError):
     """A minimisation left the basin that it was meant to stay in."""
 
 
+class NoMinimumError(SimulationError):
+    """A minimisation came to the end of its cycles; `coordinates_nm` is how far it got."""
+
+    def __init__(self, message: str, coordinates_nm: Array) -> None:
+        super().__init__(message)
+        self.coordinates_nm = coordinates_nm
+
+
 @dataclass(frozen=True)
 class Minimum:
     """The result of a minimisation: coordinates (n,) in nm and what was reached."""
@@ -65,7 +73,7 @@ def minimise(
 
     Raises
     ------
-    SimulationError
+    NoMinimumError
         When the tolerance is not reached after `cycles` Hessians.
     BasinLeftError
         When the energy falls below `lowest_energy`.
@@ -96,9 +104,10 @@ def minimise(
             f"kJ/mol/nm, shift {shift:.1e} kJ/mol/nm^2, {evaluations} evaluations"
         )
     if _rms(force) > tolerance:
-        raise SimulationError(
+        raise NoMinimumError(
             f"no minimum after {cycles} Hessians: rms force {_rms(force):.3g} kJ/mol/nm, "
-            f"wanted {tolerance:.3g}"
+            f"wanted {tolerance:.3g}",
+            x,
         )
     return Minimum(x, energy, _rms(force), evaluations)
 

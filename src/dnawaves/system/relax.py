@@ -15,11 +15,15 @@ from scipy.linalg import eigh
 
 from dnawaves.errors import InputError, SimulationError
 from dnawaves.files import provenance, read_netcdf
-from dnawaves.scene.models import Relaxation, SystemSpec
+from dnawaves.scene.environment import Relaxation
+from dnawaves.scene.models import SystemSpec
 from dnawaves.system.duplex import SimulatedDuplex, read_built
+from dnawaves.system.effects.start import turned
 from dnawaves.system.guided import first_estimates_A_per_ps
 from dnawaves.system.hessian import Hessian, ReferenceForces
-from dnawaves.system.minimum import Minimum, minimise
+from dnawaves.system.instability import Instability, instability
+from dnawaves.system.minimum import Minimum, NoMinimumError, minimise
+from dnawaves.system.modes import EIGENVALUE_TOLERANCE_PER_PS2, RIGID_MODES
 
 Array = NDArray[np.float64]
 Report = Callable[[str], None]
@@ -27,11 +31,9 @@ Report = Callable[[str], None]
 ANNEAL_TIMESTEP_PS = 0.002
 ANNEAL_FRICTION_PER_PS = 5.0
 ANNEAL_STAGES = 40
-RIGID_MODES = 6
-# Round-off and cutoff kinks of the differentiated forces leave rigid modes this far from zero.
-ZERO_MODE_PER_PS2 = 1e-3
 SADDLES_ALLOWED = 5
 SADDLE_STEP_NM = 0.002
+WHAT_TO_DO = "Raise relaxation.cycles, or take another relaxation.seed or anneal_ps"
 
 
 def relax(
@@ -49,36 +51,63 @@ def relax(
         When no minimum without negative modes is found.
     """
     relaxation = built.spec.environment.relaxation
-    positions = anneal(built, relaxation, report)
+    positions = anneal(started(built), relaxation, report)
     forces = ReferenceForces(built.system)
     differentiate = Hessian(built.system, built.spec.environment.cutoff_nm, threads)
+    report(differentiate.price(positions))
 
     def evaluate(x: Array) -> tuple[float, Array]:
         energy, force = forces(x.reshape(-1, 3))
         return energy, force.ravel()
 
-    for _ in range(SADDLES_ALLOWED + 1):
-        minimum = minimise(
-            evaluate,
-            lambda x: differentiate(x.reshape(-1, 3))[0],
-            positions.ravel(),
-            relaxation.force_tolerance_kJ_per_mol_nm,
-            report=report,
-        )
-        positions = minimum.coordinates_nm.reshape(-1, 3)
+    def modes_at(positions: Array) -> tuple[Array, float, Array, Array, Instability]:
         hessian, asymmetry = differentiate(positions)
         values, vectors = lowest_modes(hessian, built.masses_Da, 4 * RIGID_MODES)
+        unstable = instability(
+            values, vectors, built.masses_Da, built.with_positions(positions).bodies
+        )
+        return hessian, asymmetry, values, vectors, unstable
+
+    for _ in range(SADDLES_ALLOWED + 1):
+        try:
+            minimum = minimise(
+                evaluate,
+                lambda x: differentiate(x.reshape(-1, 3))[0],
+                positions.ravel(),
+                relaxation.force_tolerance_kJ_per_mol_nm,
+                cycles=relaxation.cycles,
+                report=report,
+            )
+        except NoMinimumError as error:
+            unstable = modes_at(error.coordinates_nm.reshape(-1, 3))[-1]
+            raise SimulationError(f"{error}; {unstable}. {WHAT_TO_DO}") from None
+        positions = minimum.coordinates_nm.reshape(-1, 3)
+        hessian, asymmetry, values, vectors, unstable = modes_at(positions)
         report(f"lowest eigenvalues, ps^-2: {np.array2string(values[:8], precision=4)}")
-        if values[0] > -ZERO_MODE_PER_PS2:
+        if not unstable.modes:
             relaxed = built.with_positions(positions)
             dataset = _dataset(relaxed, minimum, values, asymmetry, hessian)
             return dataset, scipy.sparse.csr_array(hessian)
         step = vectors[:, 0].reshape(-1, 3) / np.sqrt(built.masses_Da)[:, None]
         positions = positions + SADDLE_STEP_NM * step / np.abs(step).max()
     raise SimulationError(
-        f"still a saddle point after {SADDLES_ALLOWED} descents: lowest eigenvalue "
-        f"{values[0]:.3g} ps^-2, allowed is at least {-ZERO_MODE_PER_PS2:g}"
+        f"still a saddle point after {SADDLES_ALLOWED} descents: {unstable}. {WHAT_TO_DO}"
     )
+
+
+def started(built: SimulatedDuplex) -> SimulatedDuplex:
+    """Return the duplex bent or overtwisted as its environment says, or as built."""
+    start = built.spec.environment.relaxation.start
+    if start is None:
+        return built
+    first, second, axis = built.frame.directions
+    angle = np.deg2rad(start.direction_deg)
+    across = np.cos(angle) * first + np.sin(angle) * second
+    rotation = np.deg2rad(start.twist_deg) * axis + np.deg2rad(start.bend_deg) * across
+    positions = turned(
+        built.positions_nm, built.pairs, built.pivots_nm, start.first - 1, start.last - 1, rotation
+    )
+    return built.with_positions(positions)
 
 
 def anneal(built: SimulatedDuplex, relaxation: Relaxation, report: Report) -> Array:
@@ -155,7 +184,9 @@ def _dataset(
             "rms_force_kJ_per_mol_nm": minimum.rms_force_kJ_per_mol_nm,
             "force_evaluations": minimum.evaluations,
             "hessian_asymmetry_kJ_per_mol_nm2": asymmetry,
-            "negative_modes": int(np.sum(values < -ZERO_MODE_PER_PS2)),
+            "negative_modes": int(np.sum(values < -EIGENVALUE_TOLERANCE_PER_PS2)),
+            "zero_modes": int(np.sum(np.abs(values) <= EIGENVALUE_TOLERANCE_PER_PS2)),
+            "eigenvalue_tolerance_per_ps2": EIGENVALUE_TOLERANCE_PER_PS2,
             **{f"first_estimate_{wave}_A_per_ps": v for wave, v in estimates.items()},
             "spec": relaxed.spec.model_dump_json(),
             **provenance("openmm", "numpy", "scipy"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import scipy.sparse
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
@@ -57,6 +58,32 @@ class RigidBodies:
         angular_momentum = self._sum(self._weights * np.cross(arms, moving))
         angular = np.linalg.solve(self._inertia(arms), angular_momentum[:, :, None])[:, :, 0]
         return self._centres(moving), np.asarray(angular, dtype=np.float64)
+
+    def velocity_map(self) -> scipy.sparse.csr_array:
+        """Return the matrix (6 N, 3 atoms) from velocities of atoms to those of the bodies.
+
+        Each body has six rows: velocity of its centre of mass, then angular velocity, x, y, z. As
+        the rotation is the mass-weighted one, the matrix maps small displacements as well.
+        """
+        masses, arms = self._weights, self._arms
+        blocks = np.empty((len(masses), 6, 3))
+        blocks[:, :3] = (masses / self.masses_Da[self._pairs, None])[:, :, None] * np.eye(3)
+        # Column k is the angular momentum m a x e_k per unit velocity along k.
+        momenta = masses[:, :, None] * np.cross(arms[:, None, :], np.eye(3)).swapaxes(1, 2)
+        blocks[:, 3:] = np.linalg.solve(self.inertia_Da_nm2[self._pairs], momenta)
+        rows = 6 * self._pairs[:, None, None] + np.arange(6)[:, None]
+        columns = 3 * self._order[:, None, None] + np.arange(3)
+        where = np.broadcast_arrays(rows, columns)
+        shape = (6 * len(self.masses_Da), 3 * len(masses))
+        return scipy.sparse.csr_array(
+            (blocks.ravel(), (where[0].ravel(), where[1].ravel())), shape=shape
+        )
+
+    def momenta(self, velocities: Array) -> Array:
+        """Return momentum and angular momentum (..., N, 6) of bodies that move at (..., N, 6)."""
+        linear = self.masses_Da[:, None] * velocities[..., :3]
+        angular = np.einsum("nxy,...ny->...nx", self.inertia_Da_nm2, velocities[..., 3:])
+        return np.concatenate([linear, angular], axis=-1)
 
     def _sum(self, values: Array) -> Array:
         return np.add.reduceat(values, self._starts, axis=0)

@@ -8,11 +8,14 @@ from pathlib import Path
 import scipy.sparse
 
 from dnawaves.duplex.build import build_duplex, write_pdb
+from dnawaves.errors import InputError
 from dnawaves.files import whole_file, write_netcdf
 from dnawaves.scene.load import read_system
 from dnawaves.system.duplex import read_built
 from dnawaves.system.forces import load_force_field
-from dnawaves.system.relax import relax
+from dnawaves.system.modes import normal_modes
+from dnawaves.system.modes_file import modes_dataset
+from dnawaves.system.relax import read_relaxed, relax
 
 
 def build_step(system_json: Path, output: Path) -> None:
@@ -36,3 +39,24 @@ def relax_step(
     with whole_file(hessian_output) as temporary, temporary.open("wb") as file:
         scipy.sparse.save_npz(file, hessian)
     write_netcdf(output, dataset)
+
+
+def modes_step(
+    system_json: Path,
+    built: Path,
+    relaxed: Path,
+    hessian: Path,
+    held: tuple[int, int],
+    output: Path,
+) -> None:
+    """Write the normal modes of a relaxed duplex with base pairs held at its two ends."""
+    duplex = read_relaxed(read_system(system_json), built, relaxed)
+    last = duplex.pair_count - held[1]
+    if held[0] >= last:
+        raise InputError(
+            f"held base pairs: found {held[0]} and {held[1]}; "
+            f"allowed: fewer than {duplex.pair_count} together"
+        )
+    free = (duplex.pairs >= held[0]) & (duplex.pairs < last)
+    modes = normal_modes(scipy.sparse.load_npz(hessian), duplex.masses_Da, duplex.bodies, free)
+    write_netcdf(output, modes_dataset(modes, duplex, held))

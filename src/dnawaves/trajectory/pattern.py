@@ -35,7 +35,7 @@ class Pattern:
     def velocities(self, duplex: SimulatedDuplex) -> Array:
         """Return the velocities of the atoms, (atoms, 3) in nm/ps."""
         along, about = directions(duplex, self.wave)
-        arms = duplex.positions_nm - pivots(duplex)[duplex.pairs]
+        arms = duplex.positions_nm - duplex.pivots_nm[duplex.pairs]
         return self.linear[duplex.pairs, None] * along + self.angular[
             duplex.pairs, None
         ] * np.cross(about, arms)
@@ -45,12 +45,6 @@ def directions(duplex: SimulatedDuplex, wave: str) -> tuple[Array, Array]:
     """Return the direction of a wave's displacement and the axis of its rotation, (3,) each."""
     first, second, axis = duplex.frame.directions
     return (axis, axis) if wave in ("extension", "twist") else (first, second)
-
-
-def pivots(duplex: SimulatedDuplex) -> Array:
-    """Return the point of the helix axis at the height of each base pair, (N, 3) in nm."""
-    frame = duplex.frame
-    return frame.origin_nm + duplex.heights_nm[:, None] * frame.axis
 
 
 def kick_pattern(excitation: Kick | StandingWave, ends: Ends, pairs: int) -> Pattern:
@@ -71,7 +65,7 @@ def forces_at_full_strength(
     unit = _local_pattern(excitation, ends, duplex.pair_count, 1.0)
     forces = duplex.masses_Da[:, None] * unit.velocities(duplex)
     along, about = directions(duplex, excitation.wave)
-    arms = duplex.positions_nm - pivots(duplex)[duplex.pairs]
+    arms = duplex.positions_nm - duplex.pivots_nm[duplex.pairs]
     if excitation.wave in ("extension", "shear"):
         total = float(np.sum(forces @ along))
     else:

@@ -30,6 +30,7 @@ class Plan:
     frames: int
     frequency_GHz: float | None = None
     pulse_width_ps: float | None = None
+    ramp_ps: float = 0.0
 
     @property
     def interval_ps(self) -> float:
@@ -75,11 +76,12 @@ def make_plan(
     fastest = max(estimates_A_per_ps.values())
     # Period at the edge of the base-pair lattice's band: pi a / V.
     interval_ps = np.pi * spacing_A / fastest / SAMPLES_PER_PERIOD
-    frequency_GHz = None
+    frequency_GHz, ramp_ps = None, 0.0
     if isinstance(excitation, Periodic):
         frequency_GHz = drive_frequencies_GHz(excitation, length_A, fitted_speeds_A_per_ps)[
             scene.members.index(member)
         ]
+        ramp_ps = excitation.ramp_periods * 1e3 / frequency_GHz
         interval_ps = min(interval_ps, 1e3 / frequency_GHz / SAMPLES_PER_PERIOD)
     if observation.interval_fs is not None:
         interval_ps = observation.interval_fs / 1e3
@@ -99,7 +101,7 @@ def make_plan(
     timestep_ps = observation.timestep_fs / 1e3
     steps_per_frame = max(1, int(interval_ps / timestep_ps + 1e-9))
     frames = int(np.ceil(duration_ps / (steps_per_frame * timestep_ps) - 1e-9)) + 1
-    return Plan(timestep_ps, steps_per_frame, frames, frequency_GHz, pulse_width_ps)
+    return Plan(timestep_ps, steps_per_frame, frames, frequency_GHz, pulse_width_ps, ramp_ps)
 
 
 def drive_frequencies_GHz(

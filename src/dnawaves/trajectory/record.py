@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import MDAnalysis
 import numpy as np
@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from dnawaves.files import provenance
 from dnawaves.scene.models import SceneSpec
 from dnawaves.system.duplex import SimulatedDuplex
-from dnawaves.trajectory.pattern import pivots
 from dnawaves.trajectory.plan import Plan
 from dnawaves.units import A_PER_NM
 
@@ -25,129 +24,193 @@ SIGNS = {"plus": 1, "minus": -1}
 
 
 class Recorder:
-    """Collects the frames of the copies of one run."""
+    """Collects the frames of the copies of one run; `keep_atoms` for trajectories too."""
 
     def __init__(
-        self, duplex: SimulatedDuplex, scene: SceneSpec, plan: Plan, signs: tuple[int, ...]
+        self,
+        duplex: SimulatedDuplex,
+        scene: SceneSpec,
+        plan: Plan,
+        signs: tuple[int, ...],
+        keep_atoms: bool = False,
     ) -> None:
         self._duplex, self._scene, self._plan, self._signs = duplex, scene, plan, signs
-        self._motion: list[Array] = []
-        self._energy: list[list[float]] = []
-        self._work: list[list[float]] = []
-        self._difference_energy: list[float] = []
-        self._atoms = base_atoms(duplex)
-        self._written = MDAnalysis.Universe.empty(len(self._atoms), trajectory=True)
-        self._writers: dict[int, MDAnalysis.coordinates.base.WriterBase] = {}
+        self._atoms = base_atoms(duplex) if keep_atoms else None
+        self._frames: dict[str, list[NDArray[Any]]] = {}
 
-    @contextmanager
-    def writing(self, trajectories: dict[int, Path]) -> Iterator[None]:
-        """Keep trajectory files open: one of the base atoms for each sign that has a path."""
-        with ExitStack() as stack:
-            for sign, path in trajectories.items():
-                writer = MDAnalysis.Writer(
-                    str(path), n_atoms=len(self._atoms), dt=self._plan.interval_ps, nsavc=1
-                )
-                self._writers[sign] = stack.enter_context(writer)
-            yield
-        self._writers.clear()
+    def __len__(self) -> int:
+        return len(self._frames.get("motion", ()))
 
-    def add(self, states: list[State], work_kJ_per_mol: list[float]) -> None:
-        """Record one frame: the state and the drive's work for each sign."""
+    def add(
+        self,
+        states: list[State],
+        work_kJ_per_mol: list[float],
+        momenta: Sequence[Array] | None = None,
+    ) -> None:
+        """Record one frame: for each sign the state, the drive's work and what was put in.
+
+        `momenta` are momentum (Da nm/ps) and angular momentum about the origin (Da nm²/ps), (2, 3).
+        """
         bodies = self._duplex.bodies
-        self._motion.append(
-            np.array(
-                [
-                    [*bodies.pose(positions), *bodies.velocity(positions, velocities)]
-                    for positions, velocities, _ in states
-                ]
-            )
-        )
-        self._energy.append([energy for _, _, energy in states])
-        self._work.append(work_kJ_per_mol)
         half = antisymmetric([velocities for _, velocities, _ in states])
-        self._difference_energy.append(
-            0.5 * float(np.sum(self._duplex.masses_Da[:, None] * half**2))
-        )
-        for sign, (positions, _, _) in zip(self._signs, states, strict=True):
-            if sign in self._writers:
-                self._written.atoms.positions = positions[self._atoms] * A_PER_NM
-                self._writers[sign].write(self._written.atoms)
+        frame = {
+            "motion": [
+                [*bodies.pose(positions), *bodies.velocity(positions, velocities)]
+                for positions, velocities, _ in states
+            ],
+            "energy": [energy for _, _, energy in states],
+            "work": work_kJ_per_mol,
+            "difference_energy": 0.5 * np.sum(self._duplex.masses_Da[:, None] * half**2),
+        }
+        if momenta is not None:
+            frame["momenta"] = momenta
+        for name, value in frame.items():
+            self._frames.setdefault(name, []).append(np.array(value))
+        if self._atoms is not None:
+            # In single precision, as the files are.
+            kept = [np.float32(positions[self._atoms] * A_PER_NM) for positions, _, _ in states]
+            self._frames.setdefault("atoms", []).append(np.array(kept))
+
+    def frames(self, first: int = 0) -> dict[str, NDArray[Any]]:
+        """Return what was recorded from frame `first` on, by name; the first axis is time."""
+        return {name: np.array(values[first:]) for name, values in self._frames.items()}
+
+    def extend(self, frames: Mapping[str, NDArray[Any]]) -> None:
+        """Record what `frames` returned."""
+        for name, values in frames.items():
+            self._frames.setdefault(name, []).extend(values)
+
+    def write_trajectories(self, trajectories: dict[int, Path]) -> None:
+        """Write the base atoms of each sign that has a path, as DCD."""
+        for sign, path in trajectories.items():
+            assert self._atoms is not None
+            universe = MDAnalysis.Universe.empty(len(self._atoms), trajectory=True)
+            which = self._signs.index(sign)
+            with MDAnalysis.Writer(
+                str(path), n_atoms=len(self._atoms), dt=self._plan.interval_ps, nsavc=1
+            ) as writer:
+                for positions_A in self._frames["atoms"]:
+                    universe.atoms.positions = positions_A[which]
+                    writer.write(universe.atoms)
 
     def dataset(self) -> xr.Dataset:
         """Return the record with labels and units; velocities and positions in Å."""
-        duplex, plan = self._duplex, self._plan
-        # Collected as (time, sign, quantity, pair, xyz).
-        motion = np.moveaxis(np.array(self._motion), 0, 2)
-        dims = ("sign", "time", "pair", "xyz")
-        frame = duplex.frame
-
-        def vectors(values: Array, units: str, what: str) -> tuple[object, ...]:
-            return dims, values, {"units": units, "long_name": what}
-
-        return xr.Dataset(
-            {
-                "displacement": vectors(
-                    motion[:, 0] * A_PER_NM, "angstrom", "displacement of the centre of mass"
-                ),
-                "rotation": vectors(motion[:, 1], "rad", "rotation vector from the reference"),
-                "velocity": vectors(
-                    motion[:, 2] * A_PER_NM, "angstrom/ps", "velocity of the centre of mass"
-                ),
-                "angular_velocity": vectors(motion[:, 3], "rad/ps", "angular velocity"),
-                "total_energy": (
-                    ("sign", "time"),
-                    np.array(self._energy).T,
-                    {"units": "kJ/mol"},
-                ),
-                "work": (("sign", "time"), np.array(self._work).T, {"units": "kJ/mol"}),
-                "difference_kinetic_energy": (
-                    ("time",),
-                    np.array(self._difference_energy),
-                    {"units": "kJ/mol"},
-                ),
-                "mass": (("pair",), duplex.bodies.masses_Da, {"units": "Da"}),
-                "inertia": (
-                    ("pair", "xyz", "abc"),
-                    duplex.bodies.inertia_Da_nm2 * A_PER_NM**2,
-                    {"units": "Da angstrom^2", "long_name": "about the centre of mass"},
-                ),
-                "centre": (
-                    ("pair", "xyz"),
-                    duplex.bodies.centres_nm * A_PER_NM,
-                    {"units": "angstrom"},
-                ),
-                "pivot": (
-                    ("pair", "xyz"),
-                    pivots(duplex) * A_PER_NM,
-                    {"units": "angstrom", "long_name": "point of the helix axis at the pair"},
-                ),
-                "direction": (("axis", "xyz"), frame.directions, {"units": "1"}),
-            },
-            coords={
-                "sign": list(self._signs),
-                "time": (
-                    "time",
-                    np.arange(len(self._energy)) * plan.interval_ps,
-                    {"units": "ps"},
-                ),
-                "pair": duplex.labels,
-                "height": (
-                    "pair",
-                    duplex.heights_nm * A_PER_NM,
-                    {"units": "angstrom"},
-                ),
-                "xyz": ["x", "y", "z"],
-                "axis": ["first", "second", "helix"],
-            },
-            attrs={
-                "scene": self._scene.model_dump_json(),
-                "timestep_fs": plan.timestep_ps * 1e3,
-                "platform": "CPU",
-                **({"frequency_GHz": plan.frequency_GHz} if plan.frequency_GHz else {}),
-                **({"pulse_width_ps": plan.pulse_width_ps} if plan.pulse_width_ps else {}),
-                **provenance("openmm", "numpy"),
-            },
+        frames = self.frames()
+        dataset = motion_dataset(
+            self._duplex,
+            self._scene,
+            self._plan,
+            self._signs,
+            # Collected as (time, sign, quantity, pair, xyz).
+            frames["motion"].transpose(2, 1, 0, 3, 4),
+            frames["energy"].T,
+            frames["work"].T,
+            frames["difference_energy"],
         )
+        if "momenta" in frames:
+            dataset = dataset.assign(injected_momenta(frames["momenta"].transpose(2, 1, 0, 3)))
+        dataset.attrs |= {"timestep_fs": self._plan.timestep_ps * 1e3, "platform": "CPU"}
+        return dataset
+
+
+def motion_dataset(
+    duplex: SimulatedDuplex,
+    scene: SceneSpec,
+    plan: Plan,
+    signs: tuple[int, ...],
+    motion: Array,
+    energy_kJ_per_mol: Array,
+    work_kJ_per_mol: Array,
+    difference_energy_kJ_per_mol: Array,
+) -> xr.Dataset:
+    """Return a record with labels and units; velocities and positions in Å.
+
+    `motion` is (4, signs, frames, N, 3): displacement, rotation, velocity, angular velocity in nm,
+    ps and rad; energy and work are (signs, frames), the difference's kinetic energy (frames,).
+    """
+    frame, energy = duplex.frame, {"units": "kJ/mol"}
+
+    def vectors(values: Array, units: str, what: str) -> tuple[object, ...]:
+        return ("sign", "time", "pair", "xyz"), values, {"units": units, "long_name": what}
+
+    return xr.Dataset(
+        {
+            "displacement": vectors(
+                motion[0] * A_PER_NM, "angstrom", "displacement of the centre of mass"
+            ),
+            "rotation": vectors(motion[1], "rad", "rotation vector from the reference"),
+            "velocity": vectors(
+                motion[2] * A_PER_NM, "angstrom/ps", "velocity of the centre of mass"
+            ),
+            "angular_velocity": vectors(motion[3], "rad/ps", "angular velocity"),
+            "total_energy": (("sign", "time"), energy_kJ_per_mol, energy),
+            "work": (("sign", "time"), work_kJ_per_mol, energy),
+            "difference_kinetic_energy": (("time",), difference_energy_kJ_per_mol, energy),
+            "mass": (("pair",), duplex.bodies.masses_Da, {"units": "Da"}),
+            "inertia": (
+                ("pair", "xyz", "abc"),
+                duplex.bodies.inertia_Da_nm2 * A_PER_NM**2,
+                {"units": "Da angstrom^2", "long_name": "about the centre of mass"},
+            ),
+            "centre": (
+                ("pair", "xyz"),
+                duplex.bodies.centres_nm * A_PER_NM,
+                {"units": "angstrom"},
+            ),
+            "pivot": (
+                ("pair", "xyz"),
+                duplex.pivots_nm * A_PER_NM,
+                {"units": "angstrom", "long_name": "point of the helix axis at the pair"},
+            ),
+            "direction": (("axis", "xyz"), frame.directions, {"units": "1"}),
+        },
+        coords={
+            "sign": list(signs),
+            "time": (
+                "time",
+                np.arange(motion.shape[2]) * plan.interval_ps,
+                {"units": "ps"},
+            ),
+            "pair": duplex.labels,
+            "height": ("pair", duplex.heights_nm * A_PER_NM, {"units": "angstrom"}),
+            "xyz": ["x", "y", "z"],
+            "axis": ["first", "second", "helix"],
+        },
+        attrs={
+            "scene": scene.model_dump_json(),
+            "method": scene.method,
+            **(
+                {"frequency_GHz": plan.frequency_GHz, "ramp_ps": plan.ramp_ps}
+                if plan.frequency_GHz
+                else {}
+            ),
+            **({"pulse_width_ps": plan.pulse_width_ps} if plan.pulse_width_ps else {}),
+            **provenance("openmm", "numpy"),
+        },
+    )
+
+
+def injected_momenta(momenta: Array) -> dict[str, tuple[tuple[str, ...], Array, dict[str, str]]]:
+    """Return what kick and drive have put in as variables of a record.
+
+    `momenta` is (2, signs, frames, 3): Da nm/ps, and Da nm²/ps about the origin.
+    """
+    dims, what = ("sign", "time", "xyz"), "put in by kick and drive"
+    return {
+        "injected_momentum": (
+            dims,
+            momenta[0] * A_PER_NM,
+            {"units": "Da angstrom/ps", "long_name": f"momentum {what}"},
+        ),
+        "injected_angular_momentum": (
+            dims,
+            momenta[1] * A_PER_NM**2,
+            {
+                "units": "Da angstrom^2/ps",
+                "long_name": f"angular momentum about the origin {what}",
+            },
+        ),
+    }
 
 
 def antisymmetric(values: list[Array]) -> Array:

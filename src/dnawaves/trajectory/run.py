@@ -2,86 +2,23 @@
 
 from __future__ import annotations
 
-import copy
+import sys
+from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
-import numpy as np
 import openmm
-from numpy.typing import NDArray
-from openmm import unit
 
-from dnawaves.errors import SimulationError
-from dnawaves.scene.models import Kick, Periodic, Pulse, SceneSpec, StandingWave
-from dnawaves.scene.pairs import held_pairs
+from dnawaves.files import provenance
+from dnawaves.scene.models import Kick, SceneSpec, StandingWave
 from dnawaves.system.duplex import SimulatedDuplex
-from dnawaves.trajectory.pattern import forces_at_full_strength, kick_pattern
-from dnawaves.trajectory.plan import PULSE_DELAY_WIDTHS, Plan
+from dnawaves.trajectory.checkpoint import Checkpoints, digest, frames_between
+from dnawaves.trajectory.dynamics import Saved
+from dnawaves.trajectory.guard import Guard
+from dnawaves.trajectory.plan import Plan
 from dnawaves.trajectory.progress import progress
 from dnawaves.trajectory.record import SIGNS, Recorder
-from dnawaves.trajectory.verlet import (
-    driven_velocity_verlet,
-    gaussian_course,
-    sine_course,
-    velocity_verlet,
-)
-
-Array = NDArray[np.float64]
-# Far beyond any velocity at T = 0: a run that gets there has exploded.
-LARGEST_VELOCITY_NM_PER_PS = 50.0
-
-
-class Copy:
-    """One simulated copy of a duplex at T = 0, kicked or driven with one sign."""
-
-    def __init__(
-        self, duplex: SimulatedDuplex, scene: SceneSpec, plan: Plan, scale: float, threads: int
-    ) -> None:
-        held = held_pairs(scene.ends, duplex.pair_count)
-        self._integrator, drive = _integrator(duplex, scene, plan)
-        self._context = openmm.Context(
-            hold(duplex, held),
-            self._integrator,
-            openmm.Platform.getPlatformByName("CPU"),
-            {"Threads": str(threads), "DeterministicForces": "true"},
-        )
-        self._context.setPositions(duplex.positions_nm)
-        velocities = np.zeros_like(duplex.positions_nm)
-        if isinstance(scene.excitation, Kick | StandingWave):
-            kick = kick_pattern(scene.excitation, scene.ends, duplex.pair_count)
-            velocities = scale * kick.velocities(duplex)
-        self._context.setVelocities(velocities)
-        if drive is not None:
-            self._integrator.setPerDofVariableByName("drive", scale * drive)
-        self._driven = drive is not None
-
-    def step(self, steps: int) -> None:
-        """Advance by a number of timesteps."""
-        self._integrator.step(steps)
-
-    def state(self) -> tuple[Array, Array, float]:
-        """Return positions (nm), velocities (nm/ps), both (atoms, 3), and energy (kJ/mol)."""
-        state = self._context.getState(getPositions=True, getVelocities=True, getEnergy=True)
-        energy = state.getPotentialEnergy() + state.getKineticEnergy()
-        return (
-            np.array(state.getPositions(asNumpy=True)._value),
-            np.array(state.getVelocities(asNumpy=True)._value),
-            energy._value,
-        )
-
-    def velocities(self) -> Array:
-        """Return the velocities (atoms, 3) in nm/ps; needs no force, unlike `state`."""
-        state = self._context.getState(getVelocities=True)
-        return np.array(state.getVelocities(asNumpy=True)._value)
-
-    @property
-    def time_ps(self) -> float:
-        """Simulated time."""
-        return self._context.getTime().value_in_unit(unit.picosecond)
-
-    @property
-    def work_kJ_per_mol(self) -> float:
-        """Work that the drive has done."""
-        return self._integrator.getGlobalVariableByName("work") if self._driven else 0.0
+from dnawaves.trajectory.signed_copy import Copy, integrator_of
 
 
 def run_member(
@@ -91,71 +28,91 @@ def run_member(
     member: str,
     trajectories: dict[int, Path],
     threads: int = 1,
+    checkpoints: Path | None = None,
+    frames_per_checkpoint: int | None = None,
 ) -> Recorder:
     """Simulate one member and return what was recorded.
 
-    `trajectories` maps a sign to the file that its base atoms go to; empty for none.
+    `trajectories` maps a sign to the file that its base atoms go to; empty for none. With a folder
+    `checkpoints`, a run that was killed goes on from its last checkpoint and ends as it would have
+    ended; the caller removes the folder once the result is on disk. `frames_per_checkpoint`, left
+    out, follows from the size of the run.
 
     Raises
     ------
     SimulationError
-        When a copy's velocities are not finite or have exploded; names the time and the atom.
+        When a copy's velocities are not finite or have exploded; names the step, the atoms and
+        the forces on them.
     """
     signs = tuple(SIGNS[name] for name in scene.signs)
-    scale = float(member[1:]) if isinstance(scene.excitation, Kick | StandingWave) else 1.0
+    scale = kick_scale(scene, member)
     copies = [Copy(duplex, scene, plan, sign * scale, threads) for sign in signs]
     title = f"{scene.name} {member}"
-    total_ps = plan.steps * plan.timestep_ps * len(copies)
-    recorder = Recorder(duplex, scene, plan, signs)
-    with recorder.writing(trajectories), progress(title, total_ps) as advance:
-        for frame in range(plan.frames):
-            if frame:
-                for one in copies:
-                    try:
-                        one.step(plan.steps_per_frame)
-                    except openmm.OpenMMException:
-                        # OpenMM stops at a NaN and names neither the time nor the atom.
-                        _check(duplex, one.velocities(), one.time_ps, title)
-                        raise
-                advance(frame * plan.interval_ps * len(copies))
-            states = [one.state() for one in copies]
-            for _, velocities, _ in states:
-                _check(duplex, velocities, frame * plan.interval_ps, title)
-            recorder.add(states, [one.work_kJ_per_mol for one in copies])
+    every = frames_per_checkpoint or frames_between(
+        len(duplex.masses_Da), len(copies), plan.steps_per_frame
+    )
+    recorder = Recorder(duplex, scene, plan, signs, keep_atoms=bool(trajectories))
+    good: list[Saved | None] = [None for _ in copies]
+    store = None
+    if checkpoints is not None:
+        run = _description(duplex, scene, plan) | {
+            "member": member,
+            "threads": threads,
+            "base_atoms": bool(trajectories),
+            "frames_per_checkpoint": every,
+        }
+        store = Checkpoints(checkpoints, run)
+        if saved := store.latest():
+            good = list(saved.states)
+            recorder.extend(saved.frames)
+            for which, one in enumerate(copies):
+                one.restore(saved.states[which], saved.frames["momenta"][-1, which])
+            time_ps = (len(recorder) - 1) * plan.interval_ps
+            print(f"{title}: goes on at {time_ps:.3f} ps", file=sys.stderr, flush=True)
+    guard = Guard(duplex, title, store.last_good if store else None)
+    first = saved_until = len(recorder)
+    interval_ps = plan.interval_ps * len(copies)
+    total_ps, done_ps = (plan.frames - 1) * interval_ps, max(first - 1, 0) * interval_ps
+    with progress(title, total_ps, done_ps) as advance:
+        for index in range(first, plan.frames):
+            steps = plan.steps_per_frame if index else 0
+            found = [
+                guard.advance(one, state, steps) for one, state in zip(copies, good, strict=True)
+            ]
+            moments = [frame.saved for frame, _ in found]
+            good = list(moments)
+            recorder.add(
+                [(f.positions_nm, f.velocities_nm_per_ps, f.energy_kJ_per_mol) for f, _ in found],
+                [injected.work_kJ_per_mol for _, injected in found],
+                [injected.momenta for _, injected in found],
+            )
+            if index:
+                advance(index * interval_ps)
+            if index and index % every == 0:
+                if store:
+                    store.save(index, recorder.frames(saved_until), moments)
+                    saved_until = len(recorder)
+                # Also without a folder: where checkpoints are kept must not change the result.
+                for one, (frame, injected) in zip(copies, found, strict=True):
+                    one.restore(frame.saved, injected.momenta)
+    recorder.write_trajectories(trajectories)
     return recorder
 
 
-def hold(duplex: SimulatedDuplex, held: list[int]) -> openmm.System:
-    """Return a copy of the System in which the atoms of the held base pairs cannot move."""
-    system = copy.deepcopy(duplex.system)
-    for atom in np.flatnonzero(np.isin(duplex.pairs, held)):
-        system.setParticleMass(int(atom), 0.0)
-    return system
+def kick_scale(scene: SceneSpec, member: str) -> float:
+    """Return the multiple of the kick that a member stands for; 1 where nothing is scaled."""
+    return float(member[1:]) if isinstance(scene.excitation, Kick | StandingWave) else 1.0
 
 
-def _integrator(
-    duplex: SimulatedDuplex, scene: SceneSpec, plan: Plan
-) -> tuple[openmm.CustomIntegrator, Array | None]:
-    excitation = scene.excitation
-    if not isinstance(excitation, Pulse | Periodic):
-        return velocity_verlet(plan.timestep_ps), None
-    if isinstance(excitation, Periodic):
-        assert plan.frequency_GHz is not None
-        course = sine_course(plan.frequency_GHz)
-    else:
-        assert plan.pulse_width_ps is not None
-        course = gaussian_course(PULSE_DELAY_WIDTHS * plan.pulse_width_ps, plan.pulse_width_ps)
-    forces = forces_at_full_strength(excitation, scene.ends, duplex)
-    return driven_velocity_verlet(plan.timestep_ps, course), forces
-
-
-def _check(duplex: SimulatedDuplex, velocities: Array, time_ps: float, title: str) -> None:
-    speeds = np.linalg.norm(velocities, axis=1)
-    # The fastest atom, or the first whose velocity is not a number.
-    worst = int(np.argmax(speeds))
-    if not speeds[worst] < LARGEST_VELOCITY_NM_PER_PS:
-        atom = list(duplex.topology.atoms())[worst]
-        raise SimulationError(
-            f"{title}: at {time_ps:.3f} ps atom {worst} ({atom.residue.chain.id}:"
-            f"{atom.residue.id} {atom.name}) moves at {speeds[worst]:g} nm/ps"
-        )
+def _description(duplex: SimulatedDuplex, scene: SceneSpec, plan: Plan) -> dict[str, Any]:
+    """Return what defines a run, by nothing that another machine would round differently."""
+    serialize = openmm.XmlSerializer.serialize
+    return {
+        "scene": digest(scene.model_dump_json()),
+        "plan": asdict(plan),
+        "positions": digest(duplex.positions_nm.tobytes()),
+        "system": digest(serialize(duplex.system)),
+        "integrator": digest(serialize(integrator_of(scene.excitation, plan))),
+        "platform": "CPU",
+        **provenance("openmm", "numpy"),
+    }

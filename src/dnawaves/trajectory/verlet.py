@@ -1,55 +1,58 @@
-"""Velocity Verlet, with an optional force that varies in time, evaluated on the platform."""
+"""Leapfrog integration, with an optional force that varies in time, evaluated on the platform.
+
+A leapfrog's positions are those of velocity Verlet; its velocities are half a step behind and are
+brought to the time of the positions where they are asked for.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 import openmm
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+# Of a driven integrator, at the time of the positions: time, course, and what follows from it.
+DRIVE_VARIABLES = ("t", "now", "impulse", "work")
 
 
-def velocity_verlet(timestep_ps: float) -> openmm.CustomIntegrator:
-    """Return a velocity Verlet integrator (OpenMM's VerletIntegrator is a leapfrog).
+def leapfrog(timestep_ps: float) -> openmm.VerletIntegrator:
+    """Return OpenMM's own leapfrog, on the CPU a tenth faster than a custom velocity Verlet."""
+    return openmm.VerletIntegrator(timestep_ps)
 
-    Positions and velocities belong to the same time, so a kick at t = 0 is exact.
+
+def driven_leapfrog(timestep_ps: float, course: str) -> openmm.CustomIntegrator:
+    """Return a leapfrog with the forces `drive` (a per-degree-of-freedom variable) times `course`.
+
+    `course` is an expression in the time `t` in ps that is zero at t = 0. Global variables, for
+    the time of the positions and to second order in the timestep: `now`, the course; `impulse`,
+    its integral in ps; `work`, what the drive has done in kJ/mol.
     """
     integrator = openmm.CustomIntegrator(timestep_ps)
-    integrator.addUpdateContextState()
-    integrator.addComputePerDof("v", "v + 0.5*dt*f/m")
-    integrator.addComputePerDof("x", "x + dt*v")
-    integrator.addComputePerDof("v", "v + 0.5*dt*f/m")
-    return integrator
-
-
-def driven_velocity_verlet(timestep_ps: float, course: str) -> openmm.CustomIntegrator:
-    """Return velocity Verlet with the forces `drive` (a per-degree-of-freedom variable) times
-    `course`, an expression in the time `t` in ps.
-
-    The global variable `work` holds the work done by the drive in kJ/mol, to second order in the
-    timestep.
-    """
-    integrator = openmm.CustomIntegrator(timestep_ps)
-    for name in ("t", "now", "before", "power", "work"):
+    for name in (*DRIVE_VARIABLES, "before", "power"):
         integrator.addGlobalVariable(name, 0.0)
     integrator.addPerDofVariable("drive", 0.0)
     integrator.addUpdateContextState()
-    integrator.addComputeGlobal("before", course)
-    integrator.addComputePerDof("v", "v + 0.5*dt*(f + drive*before)/m")
+    integrator.addComputePerDof("v", "v + dt*(f + drive*now)/m")
     integrator.addComputePerDof("x", "x + dt*v")
     integrator.addComputeGlobal("t", "t + dt")
+    integrator.addComputeGlobal("before", "now")
     integrator.addComputeGlobal("now", course)
     integrator.addComputeSum("power", "drive*v")
+    integrator.addComputeGlobal("impulse", "impulse + 0.5*dt*(before + now)")
     integrator.addComputeGlobal("work", "work + 0.5*dt*(before + now)*power")
-    integrator.addComputePerDof("v", "v + 0.5*dt*(f + drive*now)/m")
     return integrator
 
 
-def sine_course(frequency_GHz: float) -> str:
-    """Return sin(2 pi f t), which starts from zero without a jump of the force."""
-    return f"sin({2e-3 * np.pi * frequency_GHz!r}*t)"
+def sine_course(frequency_GHz: float, ramp_ps: float = 0.0) -> str:
+    """Return sin(2 pi f t), times (1 - cos(pi t/ramp))/2 while t < ramp.
+
+    Without a ramp the force starts from zero without a jump, but its slope does not, and the
+    transient is as large as the answer to the drive.
+    """
+    sine = f"sin({2e-3 * np.pi * frequency_GHz!r}*t)"
+    if ramp_ps == 0:
+        return sine
+    return f"{sine}*select(step(t - {ramp_ps!r}), 1, 0.5 - 0.5*cos({np.pi / ramp_ps!r}*t))"
 
 
 def gaussian_course(centre_ps: float, width_ps: float) -> str:
-    """Return a Gaussian of unit height."""
+    """Return a Gaussian of unit height; centred five widths late it starts from 4e-6 of that."""
     return f"exp(-0.5*((t - {centre_ps!r})/{width_ps!r})^2)"

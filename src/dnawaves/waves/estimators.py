@@ -61,8 +61,9 @@ def resonance_fit(
 ) -> Fit:
     """Fit one driven oscillator, from rest and transient included, to runs of several drives.
 
-    `ramps_ps` are the times over which the drives rise, left out none; `projections` are the mode's velocities; frequency, friction and gain are common to all runs,
-    so the frequency is known better than the inverse length of a record. The rate is in rad/ps.
+    `projections` are the mode's velocities, `ramps_ps` the times over which the drives rise, left
+    out none; frequency, friction and gain are common to all runs, so the frequency is known better
+    than the inverse length of a record. The rate is in rad/ps.
     """
 
     ramps = ramps_ps or [0.0 for _ in drives_rad_per_ps]

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from dnawaves.system.effects.contradictions import contradictions
+from dnawaves.scene.contradictions import contradictions
 
 
 @pytest.mark.parametrize(
@@ -15,6 +15,9 @@ from dnawaves.system.effects.contradictions import contradictions
         ({"solvent": "OPC", "counterion_fraction": 0.76}, "counterion_fraction 0.76", "OPC"),
         ({"solvent": "OBC2", "counterion_fraction": 1.0}, "counterion_fraction 1", "OBC2"),
         ({"salt_M": 0.1}, "salt_M 0.1", "solvent none"),
+        ({"surface_area": True}, "surface_area", "solvent none"),
+        ({"solvent": "GBn2", "cutoff_nm": 0.9}, "cutoff_nm 0.9", "solvent GBn2"),
+        ({"solvent": "OBC2", "switch_nm": 0.8}, "switch_nm 0.8", "solvent OBC2"),
         ({"barostat": True, "thermostat": True}, "barostat", "solvent none"),
         ({"barostat": True, "solvent": "TIP3P"}, "barostat", "no thermostat"),
         (

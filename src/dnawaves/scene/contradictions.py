@@ -27,6 +27,9 @@ def contradictions(
     solvent: Solvent = "none",
     counterion_fraction: float = 0.0,
     salt_M: float = 0.0,
+    surface_area: bool = False,
+    cutoff_nm: float | None = None,
+    switch_nm: float | None = None,
     barostat: bool = False,
     thermostat: bool = False,
     conserves_energy: bool = False,
@@ -63,6 +66,21 @@ def contradictions(
             f"salt_M {salt_M:g}",
             "solvent none",
             "there is nothing that the salt is dissolved in",
+        ),
+        (
+            surface_area and solvent == "none",
+            "surface_area",
+            "solvent none",
+            "the surface is that towards the solvent",
+        ),
+        *(
+            (
+                length_nm is not None and implicit,
+                f"{name} {length_nm or 0:g}",
+                f"solvent {solvent}",
+                "the model takes every atom to see every other",
+            )
+            for name, length_nm in (("cutoff_nm", cutoff_nm), ("switch_nm", switch_nm))
         ),
         (
             barostat and not explicit,

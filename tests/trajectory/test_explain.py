@@ -1,0 +1,157 @@
+"""A scene contains what it calls for and nothing else, and says so before it runs."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.sparse
+import xarray as xr
+import yaml
+
+from dnawaves.duplex.build import build_duplex
+from dnawaves.errors import InputError
+from dnawaves.motion.fields import wave_fields
+from dnawaves.scene.load import load_scenes
+from dnawaves.scene.models import SceneSpec, Static
+from dnawaves.scene.pairs import held_pairs
+from dnawaves.system.duplex import SimulatedDuplex
+from dnawaves.system.forces import load_force_field
+from dnawaves.system.modes import normal_modes
+from dnawaves.trajectory.explain import PURPOSES, explain, force_names
+from dnawaves.trajectory.harmonic import respond
+from dnawaves.trajectory.load import relax_under_load
+from dnawaves.trajectory.plan import Plan, make_plan
+from dnawaves.trajectory.record import SIGNS, base_atoms
+from dnawaves.trajectory.run import run_member
+
+CONFIG = Path(__file__).resolve().parents[2] / "config"
+SHIPPED = {
+    name: scene
+    for file in ("config.yaml", "smoke.yaml")
+    for name, scene in load_scenes(CONFIG / file).items()
+}
+AMBER = {"HarmonicBondForce", "HarmonicAngleForce", "PeriodicTorsionForce", "NonbondedForce"}
+MOTION = {
+    *("displacement", "rotation", "velocity", "angular_velocity", "total_energy", "work"),
+    *("difference_kinetic_energy", "mass", "inertia", "centre", "pivot", "direction"),
+}
+PUT_IN = {"injected_momentum", "injected_angular_momentum"}
+WAVES = ("extension", "twist", "bend", "shear", "bend_across", "shear_across")
+FIELDS = {f"{wave}_{kind}" for wave in WAVES for kind in ("displacement", "velocity")} | {
+    *("kinetic_energy", "energy_put_in"),
+}
+
+
+@pytest.mark.parametrize("environment", sorted({one.system.name for one in SHIPPED.values()}))
+def test_the_forces_of_the_shipped_systems_are_ambers_and_no_other(environment: str) -> None:
+    spec = next(one.system for one in SHIPPED.values() if one.system.name == environment)
+    duplex = SimulatedDuplex(
+        spec, *build_duplex(spec.duplex.sequence, load_force_field(spec.environment))
+    )
+    assert sorted(force_names(duplex)) == sorted(AMBER)
+    assert duplex.system.getNumConstraints() == 0
+
+
+def short(scene: SceneSpec, duplex: SimulatedDuplex) -> Plan:
+    speeds = {"extension": 15.0, "twist": 10.0}
+    plan = make_plan(scene, scene.members[0], speeds, 20.0, 3.3, [12.0] * len(scene.needs))
+    return replace(plan, steps_per_frame=2, frames=3)
+
+
+def recorded(scene: SceneSpec, relaxed: Any, folder: Path) -> xr.Dataset:
+    """Return the first member's record, three frames long, of the small relaxed duplex."""
+    duplex, plan = relaxed.duplex, short(scene, relaxed.duplex)
+    if scene.method == "harmonic":
+        free = ~np.isin(duplex.pairs, held_pairs(scene.ends, duplex.pair_count))
+        hessian = scipy.sparse.csr_array(relaxed.hessian)
+        modes = normal_modes(hessian, duplex.masses_Da, duplex.bodies, free)
+        return respond(duplex, modes, scene, plan, 1.0, 0.0)
+    if isinstance(scene.excitation, Static):
+        return relax_under_load(duplex, scene, plan, 0.01, relaxed.hessian)
+    files = {SIGNS[sign]: folder / f"{sign}.dcd" for sign in scene.signs}
+    files = files if scene.observation.helical else {}
+    recorder = run_member(duplex, scene, plan, scene.members[0], files)
+    atoms = recorder.frames().get("atoms")
+    if scene.observation.helical:
+        assert atoms is not None and atoms.shape[2] == len(base_atoms(duplex))
+    else:
+        assert atoms is None
+    return recorder.dataset()
+
+
+@pytest.mark.parametrize("name", sorted(SHIPPED))
+def test_a_shipped_scene_records_and_derives_what_it_calls_for(
+    name: str, relaxed: Any, tmp_path: Path
+) -> None:
+    scene = SHIPPED[name].model_copy(update={"system": relaxed.duplex.spec})
+    motion = recorded(scene, relaxed, tmp_path)
+    extra = {"linear_response"} if isinstance(scene.excitation, Static) else PUT_IN
+    assert set(motion.data_vars) == MOTION | extra
+    assert motion.sizes["sign"] == len(scene.signs)
+    assert set(wave_fields(motion).data_vars) == FIELDS
+
+
+@pytest.fixture
+def config(relaxed: Any, tmp_path: Path) -> Path:
+    """Return a configuration of the small relaxed duplex."""
+    spec = relaxed.duplex.spec
+    held, place = {"first": "held", "last": "held"}, {"duplex": "small", "environment": "condensed"}
+    drive = {"kind": "periodic", "wave": "twist", "torque_pN_nm": 9, "frequencies_GHz": [200]}
+    load = {"kind": "static", "wave": "twist", "torque_pN_nm": 9}
+    content = {
+        "structures": "duplexes.yaml",
+        "environments": {"condensed": spec.environment.model_dump(mode="json")},
+        "scenes": {
+            "driven": {
+                **place,
+                "ends": held,
+                "excitation": drive,
+                "observation": {"duration_ps": 1, "interval_fs": 20, "helical": True},
+            },
+            "loaded": {**place, "ends": {**held, "last": "guided"}, "excitation": load},
+        },
+    }
+    (tmp_path / "duplexes.yaml").write_text(f"small: {spec.duplex.sequence}\n")
+    (tmp_path / "config.yaml").write_text(yaml.safe_dump(content))
+    return tmp_path / "config.yaml"
+
+
+def test_explain_says_what_runs(config: Path, relaxed: Any) -> None:
+    results = config.parent / "results"
+    duplex = relaxed.duplex
+    atoms, held = len(duplex.pairs), int(((duplex.pairs == 0) | (duplex.pairs == 5)).sum())
+    said = explain(config, "driven", results)
+    for force in AMBER:
+        assert f"  {force}: {PURPOSES[force]}\n" in said
+    assert "inside the integrator: the drive" in said
+    free = atoms - held
+    assert f"particles: {atoms}, of which {free} move: {3 * free} degrees of freedom\n" in said
+    assert "runs: 1 (f1) x 2 signs\n" in said
+    assert "length: 1.0 ps, 500 steps of 2 fs, 51 frames, by the paper's speeds for now" in said
+    assert "time: 1000 steps at " in said
+    # 51 frames, two signs: 6 pairs of 96 bytes and base atoms of 12.
+    bytes_ = 51 * 2 * (6 * 96 + 12 * len(base_atoms(duplex)))
+    assert said.endswith(f"disk: at most {bytes_ / 1e6:.1f} MB")
+
+    system = results / "systems" / "small-condensed"
+    system.mkdir(parents=True)
+    shutil.copy(relaxed.relaxed_file, system / "relaxed.nc")
+    assert "by the relaxed duplex's first estimate" in explain(config, "driven", results)
+
+
+def test_a_guided_pair_has_one_degree_of_freedom(config: Path, relaxed: Any) -> None:
+    pairs = relaxed.duplex.pairs
+    freedom = 3 * int(((pairs > 0) & (pairs < 5)).sum()) + 1
+    said = explain(config, "loaded", config.parent)
+    assert f"move: {freedom} degrees of freedom\n" in said
+    assert "relaxed under the load" in said
+
+
+def test_an_unknown_scene_is_refused_with_the_known(config: Path) -> None:
+    with pytest.raises(InputError, match="found 'drivn'; allowed: driven, loaded"):
+        explain(config, "drivn", config.parent)

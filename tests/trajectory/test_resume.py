@@ -1,0 +1,239 @@
+"""A run that is killed goes on from its last checkpoint and ends as it would have ended."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import random
+import shutil
+import signal
+import time
+from collections.abc import Callable
+from contextlib import redirect_stderr
+from dataclasses import replace
+from multiprocessing.context import ForkServerProcess
+from pathlib import Path
+
+import numpy as np
+import openmm
+import pytest
+import xarray as xr
+
+from dnawaves.errors import SimulationError
+from dnawaves.files import read_netcdf, write_netcdf
+from dnawaves.scene.models import SceneSpec
+from dnawaves.system.duplex import SimulatedDuplex
+from dnawaves.trajectory.checkpoint import Checkpoints, checkpoint_folder, frames_between
+from dnawaves.trajectory.dynamics import Dynamics, Saved
+from dnawaves.trajectory.plan import Plan
+from dnawaves.trajectory.run import run_member
+from dnawaves.trajectory.verlet import leapfrog
+
+HELD = {"first": "held", "last": "held"}
+DRIVE = {
+    "kind": "periodic",
+    "wave": "twist",
+    "torque_pN_nm": 100,
+    "pairs": 1,
+    "frequencies_GHz": [500.0],
+}
+EVERY = 3
+KILLS = 10
+FRAMES = 240
+PLAN = Plan(0.002, 5, 8, frequency_GHz=500.0)
+# A server that has imported what a run needs, from which each run is forked.
+PROCESSES = multiprocessing.get_context("forkserver")
+PROCESSES.set_forkserver_preload(["dnawaves.trajectory.run"])
+
+
+def simulate(duplex: SimulatedDuplex, scene: SceneSpec, output: Path) -> None:
+    """Run the driven scene from start or last checkpoint to its end; tells the log where it is."""
+    with output.with_suffix(".log").open("a") as log, redirect_stderr(log):
+        plan = Plan(0.001, 10, FRAMES, frequency_GHz=500.0, ramp_ps=0.5)
+        files = {sign: output.with_name(f"{sign}.dcd") for sign in (1, -1)}
+        folder = checkpoint_folder(output)
+        recorder = run_member(duplex, scene, plan, "f1", files, 1, folder, EVERY)
+        write_netcdf(output, recorder.dataset())
+
+
+@pytest.fixture(scope="module")
+def duplex(as_built: Callable[..., SimulatedDuplex]) -> SimulatedDuplex:
+    """Return four base pairs near a minimum."""
+    built = as_built("CGCG")
+    context = openmm.Context(
+        built.system,
+        openmm.VerletIntegrator(0.001),
+        openmm.Platform.getPlatformByName("CPU"),
+        {"Threads": "1"},
+    )
+    context.setPositions(built.positions_nm)
+    openmm.LocalEnergyMinimizer.minimize(context, 10.0, 200)
+    positions = context.getState(positions=True).getPositions(asNumpy=True)._value
+    return built.with_positions(np.array(positions))
+
+
+@pytest.fixture(scope="module")
+def scene(duplex: SimulatedDuplex, make_scene: Callable[..., SceneSpec]) -> SceneSpec:
+    return make_scene(duplex, DRIVE, HELD, helical=True)
+
+
+def same(one: xr.Dataset, other: xr.Dataset) -> None:
+    """Assert that two records are equal to the last bit."""
+    assert one.sizes == other.sizes
+    for name in one.variables:
+        np.testing.assert_array_equal(one[name].values, other[name].values, err_msg=str(name))
+
+
+def checkpoints_in(folder: Path) -> int:
+    """Return the frame of the last checkpoint, 0 where there is none."""
+    names = os.listdir(folder) if folder.exists() else []
+    return max((int(name) for name in names if name.isdigit()), default=0)
+
+
+def test_a_run_killed_ten_times_ends_as_if_it_had_not_been(
+    duplex: SimulatedDuplex, scene: SceneSpec, tmp_path: Path
+) -> None:
+    whole, killed = (tmp_path / name / "motion.nc" for name in ("whole", "killed"))
+
+    def start(output: Path) -> ForkServerProcess:
+        output.parent.mkdir(exist_ok=True)
+        process = PROCESSES.Process(target=simulate, args=(duplex, scene, output))
+        process.start()
+        return process
+
+    undisturbed = start(whole)
+    folder, moments = checkpoint_folder(killed), random.Random(1)
+    for _ in range(KILLS):
+        reached = checkpoints_in(folder)
+        process = start(killed)
+        # Until it has got a little further, and then at any moment of a few checkpoints' time.
+        while checkpoints_in(folder) < reached + EVERY:
+            assert process.is_alive()
+            time.sleep(0.001)
+        time.sleep(moments.uniform(0, 0.1))
+        assert process.pid is not None
+        os.kill(process.pid, signal.SIGKILL)
+        process.join()
+        # Killed, so not yet at its end.
+        assert process.exitcode == -signal.SIGKILL
+        assert not killed.exists()
+    for process in (start(killed), undisturbed):
+        process.join(timeout=60)
+        assert process.exitcode == 0
+    assert killed.with_suffix(".log").read_text().count("goes on at") == KILLS
+    assert "goes on at" not in whole.with_suffix(".log").read_text()
+    same(read_netcdf(killed), read_netcdf(whole))
+    assert read_netcdf(killed).sizes["time"] == FRAMES
+    for name in ("1.dcd", "-1.dcd"):
+        assert killed.with_name(name).read_bytes() == whole.with_name(name).read_bytes()
+
+
+def test_where_checkpoints_are_kept_does_not_change_the_result(
+    duplex: SimulatedDuplex, scene: SceneSpec, tmp_path: Path
+) -> None:
+    with_folder, without = (
+        run_member(duplex, scene, PLAN, "f1", {}, 1, folder, EVERY).dataset()
+        for folder in (tmp_path / "here", None)
+    )
+    same(with_folder, without)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_going_on_is_exact_only_where_the_undisturbed_run_starts_anew_too(
+    duplex: SimulatedDuplex, threads: int
+) -> None:
+    undisturbed, anew, resumed = (
+        Dynamics(duplex.system, leapfrog(0.002), threads=threads) for _ in range(3)
+    )
+    undisturbed.start(duplex.positions_nm, np.zeros_like(duplex.positions_nm))
+    undisturbed.step(300)
+    saved = undisturbed.frame().saved
+    text = openmm.XmlSerializer.serialize(saved.state)
+    anew.restore(saved)
+    resumed.restore(Saved(openmm.XmlSerializer.deserialize(text), {}))
+    for dynamics in (undisturbed, anew, resumed):
+        dynamics.step(300)
+    first, second, third = (one.frame().positions_nm for one in (undisturbed, anew, resumed))
+    if threads == 1:
+        np.testing.assert_array_equal(second, third)
+        assert (first != second).any()
+    # Forces are rounded to 24 bits, 1e-4 kJ/mol/nm, in an order that the threads' and the list of
+    # neighbours' past decides: 1e-9 nm after a step, and it grows.
+    for other in (second, third):
+        np.testing.assert_allclose(other, first, atol=1e-5)
+
+
+def test_an_explosion_after_a_checkpoint_keeps_a_state_from_after_it(
+    duplex: SimulatedDuplex, make_scene: Callable[..., SceneSpec], tmp_path: Path
+) -> None:
+    kick = {"kind": "kick", "wave": "extension", "velocity_A_per_ps": 0.2, "pairs": 1}
+    # 3 fs is beyond the stability limit of the O-H stretch at the chains' free ends.
+    plan = Plan(0.003, 2, 200)
+    messages = []
+    for _ in range(2):  # the second time from the last checkpoint
+        with pytest.raises(SimulationError) as error:
+            run_member(duplex, make_scene(duplex, kick), plan, "x1", {}, 1, tmp_path, EVERY)
+        messages.append(str(error.value))
+    assert messages[0] == messages[1]
+    step = openmm.XmlSerializer.deserialize((tmp_path / "last_good.xml").read_text()).getStepCount()
+    assert f"in step {step + 1}, atom" in messages[0]
+    assert step >= 2 * checkpoints_in(tmp_path) > 0
+
+
+def test_checkpoints_of_another_run_are_not_used(
+    duplex: SimulatedDuplex,
+    scene: SceneSpec,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    def run(plan: Plan, duplex: SimulatedDuplex = duplex, threads: int = 1) -> str:
+        run_member(duplex, scene, plan, "f1", {}, threads, tmp_path, EVERY)
+        return capsys.readouterr().err
+
+    assert "goes on" not in run(PLAN)
+    assert "goes on at 0.060 ps" in run(PLAN)
+    faster = replace(PLAN, frequency_GHz=600.0)
+    moved = duplex.with_positions(duplex.positions_nm + 1e-9)
+    for differing, other in (
+        ("plan, integrator", lambda: run(faster)),
+        ("positions", lambda: run(faster, moved)),
+        ("threads", lambda: run(faster, moved, 2)),
+    ):
+        report = other()
+        assert f"of another run (other {differing}), so removed" in report
+        assert "goes on" not in report
+        # And its own are; also with two threads, which do not round alike twice.
+        assert "goes on at 0.060 ps" in other()
+
+
+def test_what_a_kill_leaves_unfinished_is_not_used(tmp_path: Path) -> None:
+    system = openmm.System()
+    system.addParticle(1.0)
+    dynamics = Dynamics(system, leapfrog(0.001), platform="Reference")
+    dynamics.start(np.zeros((1, 3)), np.ones((1, 3)))
+    store = Checkpoints(tmp_path, {"run": 1})
+    assert store.latest() is None
+    for frame in (2, 4, 6):
+        dynamics.step(10)
+        first = frame - 1 if frame > 2 else 0
+        frames = {"time": np.arange(first, frame + 1)}
+        store.save(frame, frames, [dynamics.frame().saved])
+    # What is there before the last rename, and a second State XML of a checkpoint passed.
+    (tmp_path / ".partial").mkdir()
+    (tmp_path / ".partial" / "frames.npz").write_bytes(b"half")
+    (tmp_path / "000000002" / "state0.xml").write_text("old")
+    found = Checkpoints(tmp_path, {"run": 1}).latest()
+    assert found is not None
+    assert found.frames["time"].tolist() == list(range(7))
+    assert [saved.state.getStepCount() for saved in found.states] == [30]
+    # A checkpoint that somebody removed by hand.
+    shutil.rmtree(tmp_path / "000000004")
+    with pytest.raises(SimulationError, match=r"found 5 frames, expected 7; remove the folder"):
+        store.latest()
+
+
+def test_checkpoints_lie_some_twenty_seconds_apart() -> None:
+    # 24 base pairs, both signs, frames of 30 steps: 2e7/(1521*2*30).
+    assert frames_between(1521, 2, 30) == 219
+    # However large the system, not more often than every frame.
+    assert frames_between(10**6, 2, 1000) == 1
