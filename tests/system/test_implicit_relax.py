@@ -49,7 +49,9 @@ def test_each_environment_has_its_forces_and_no_other(
 
 
 def test_phosphates_keep_their_charges(as_built: AsBuilt) -> None:
-    nonbonded = nonbonded_force(as_built(SEQUENCE, solvent="OBC2").system)
+    # The System owns the force: without a name of its own it would be freed before it is read.
+    system = as_built(SEQUENCE, solvent="OBC2").system
+    nonbonded = nonbonded_force(system)
     # Amber's charges are written with four to six digits and 250 of them add up.
     assert sum(charges_e(nonbonded)) == pytest.approx(-(2 * len(SEQUENCE) - 2), abs=1e-4)
 
