@@ -18,9 +18,19 @@ if TYPE_CHECKING:
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
-    """Yield a temporary path beside `path`; rename it to `path` only if the block succeeds."""
-    path.parent.mkdir(parents=True, exist_ok=True)
+    """Yield a temporary path beside `path`; rename it to `path` only if the block succeeds.
+
+    Makes the folders on the way. Raises `InputError`, before the block, where no file can be made.
+    """
     temporary = path.with_name(f".{os.getpid()}.{path.name}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        temporary.touch()
+        temporary.unlink()
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written: {error}") from error
+    if path.is_dir():
+        raise InputError(f"{path}: cannot be written: it is a folder")
     try:
         yield temporary
         os.replace(temporary, path)

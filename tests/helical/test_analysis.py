@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import MDAnalysis
 import numpy as np
@@ -16,7 +19,7 @@ from dnawaves.frames.fit import Frames
 from dnawaves.frames.helix import HELIX_PARAMETERS, helix_parameters
 from dnawaves.frames.parameters import PAIR_PARAMETERS, STEP_PARAMETERS
 from dnawaves.helical.analysis import HelicalParameters
-from dnawaves.helical.dataset import helical_dataset
+from dnawaves.helical.dataset import helical_dataset, pair_frames
 from dnawaves.helical.flags import ATOMS_MISSING, NO_FRAME, OPPOSED
 from dnawaves.helical.form import BasePair
 from dnawaves.helical.pairs import find_pairs
@@ -152,6 +155,56 @@ def test_a_base_turned_over_exactly_is_flagged(make_universe: Maker) -> None:
     found = helical_dataset(positions[None], [BasePair(second, first), *pairs[1:3]])
     assert (found.pair_flag.values[0] & (NO_FRAME | OPPOSED)).tolist() == [OPPOSED, 0, 0]
     assert (found.step_flag.values[0] & (NO_FRAME | OPPOSED)).tolist() == [NO_FRAME, 0]
+
+
+def test_strains_from_a_file_as_documented(
+    make_universe: Maker, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The example of docs/frames.md, on a duplex of which each pair is lifted by 0.1 Å a frame."""
+    text = (Path(__file__).parents[2] / "docs" / "frames.md").read_text(encoding="utf-8")
+    (example,) = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
+    universe = make_universe("AAAAAA")
+    still = universe.atoms.positions
+    resids = universe.atoms.resids
+    number = np.where(universe.atoms.segids == "A", resids, 7 - resids)
+    lift = np.zeros_like(still)
+    lift[:, 2] = 0.1 * number
+    universe.load_new(np.array([still + time * lift for time in range(3)]), format=MemoryReader)
+    monkeypatch.chdir(tmp_path)
+    analysed(universe).to_netcdf("out.nc")
+    found: dict[str, Any] = {}
+    exec(example, found)
+    deviations = found["deviations"]
+    assert deviations.shape == (6, 5, 3)
+    # The helix of the fibre goes along z, and so does the middle of its steps to some degrees:
+    # the lengths of the added displacements are those of the lift. Coordinates are float32.
+    lengths_A = np.linalg.norm(deviations[:3], axis=0)
+    np.testing.assert_allclose(lengths_A, np.tile([0, 0.1, 0.2], (5, 1)), atol=2e-5)
+    np.testing.assert_allclose(deviations[3:], 0, atol=1e-5)
+
+
+def test_frames_of_each_duplex(make_universe: Maker) -> None:
+    one, other = make_universe("ACGT"), make_universe("CGATTA")
+    other.segments.segids = ["C", "D"]
+    other.atoms.positions += np.float32([60, 0, 0])
+    dataset = analysed(MDAnalysis.Merge(one.atoms, other.atoms))
+    alone = analysed(other)
+    found = pair_frames(dataset, duplex=2)
+    assert found.origin.shape == (3, 6, 1) and found.axes.shape == (3, 3, 6, 1)
+    np.testing.assert_array_equal(found.origin[..., 0].T, dataset.origin[0, 4:])
+    # The same coordinates, in matrix products of another size.
+    np.testing.assert_allclose(found.axes[:, :, 3, 0], alone.axes[0, 3], atol=1e-12)
+    with pytest.raises(InputError, match="duplex 3: there are 1 to 2"):
+        pair_frames(dataset, duplex=3)
+    without = HelicalParameters(one, keep_frames=False).run().results.dataset
+    with pytest.raises(InputError, match="without frames"):
+        pair_frames(without)
+
+
+@pytest.mark.parametrize("pairs", ["A:1", [("A:1",)], ["AB"], [(1, 24)], [1]])
+def test_a_list_that_is_not_of_pairs(make_universe: Maker, pairs: Any) -> None:
+    with pytest.raises(InputError, match=r'needed are pairs such as \("A:1", "B:24"\)'):
+        HelicalParameters(make_universe("ACGT"), pairs)
 
 
 def test_positions_of_the_wrong_shape(make_universe: Maker) -> None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import gc
+import sys
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 
@@ -144,7 +147,9 @@ def test_a_structure_alone_says_how_precise_it_is(
     assert "rounded" not in capsys.readouterr().err
 
 
-def test_mmcif(files: tuple[Path, Path], tmp_path: Path) -> None:
+def test_mmcif(
+    files: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     gemmi = pytest.importorskip("gemmi", reason="MDAnalysis reads mmCIF with gemmi")
     structure = gemmi.read_structure(str(files[0]))
     structure.setup_entities()
@@ -152,7 +157,15 @@ def test_mmcif(files: tuple[Path, Path], tmp_path: Path) -> None:
     structure.make_mmcif_document().write_file(str(mmcif))
     for source, name in ((files[0], "pdb.csv"), (mmcif, "cif.csv")):
         helical_step(source, [], tmp_path / name)
+        assert "rounded to 0.001 Å" in capsys.readouterr().err
     assert (tmp_path / "pdb.csv").read_text() == (tmp_path / "cif.csv").read_text()
+    second = structure[0].clone()
+    second.num = 2
+    structure.add_model(second)
+    structure.make_mmcif_document().write_file(str(mmcif))
+    with pytest.warns(UserWarning, match="has 2 models, but only the first one"):
+        helical_step(mmcif, [], tmp_path / "first.csv")
+    assert (tmp_path / "pdb.csv").read_text() == (tmp_path / "first.csv").read_text()
 
 
 def test_a_trajectory_of_another_topology(
@@ -193,6 +206,89 @@ def test_frames_that_there_are_not(
 ) -> None:
     with pytest.raises(InputError, match=message):
         helical_step(files[0], [files[1]], tmp_path / "out.nc", **chosen)
+
+
+def test_no_input_is_overwritten(
+    files: tuple[Path, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    structure, trajectory = files
+    pairs = tmp_path / "out.pairs.csv"
+    pairs.write_text("chain1,resid1,chain2,resid2\nA,2,B,5\nA,3,B,4\n")
+    amber = tmp_path / "run.nc"
+    amber.write_bytes(trajectory.read_bytes())
+    (tmp_path / "link.nc").symlink_to(amber)
+    monkeypatch.chdir(tmp_path)
+    before = {file: file.read_bytes() for file in tmp_path.iterdir()}
+    for trajectories, listed, output in (
+        ([], pairs, Path("out.csv")),
+        ([], pairs, pairs),
+        ([trajectory, Path("run.nc")], None, amber),
+        ([amber], None, tmp_path / "link.nc"),
+        ([Path("link.nc")], None, Path("nowhere/../run.nc").resolve()),
+    ):
+        with pytest.raises(InputError, match="would be written, but it is read as"):
+            helical_step(structure, trajectories, output, listed)
+    assert {file: file.read_bytes() for file in tmp_path.iterdir()} == before
+
+
+@pytest.mark.parametrize("ending", ["nc", "csv"])
+def test_an_output_that_cannot_be_written(
+    files: tuple[Path, Path], tmp_path: Path, ending: str
+) -> None:
+    (tmp_path / f"folder.{ending}").mkdir()
+    for output in (
+        files[0] / f"out.{ending}",  # within a file
+        tmp_path / f"folder.{ending}",
+        tmp_path / f"{300 * 'n'}.{ending}",  # names have 255 bytes at most
+    ):
+        # The output is at fault: the trajectory, which is being read then, is not blamed.
+        with pytest.raises(InputError, match=rf"^{output.parent}/.*: cannot be written: "):
+            helical_step(files[0], [files[1]], output)
+    assert {file.name for file in tmp_path.iterdir()} == {
+        "duplex.pdb",
+        "moving.dcd",
+        f"folder.{ending}",
+    }
+
+
+def test_no_noise(
+    files: tuple[Path, Path],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    unraisable: list[object] = []
+    monkeypatch.setattr(sys, "unraisablehook", unraisable.append)
+    empty = tmp_path / "empty.dcd"
+    empty.touch()
+    with warnings.catch_warnings():
+        # What would be printed.
+        warnings.simplefilter("error")
+        warnings.simplefilter("ignore", ResourceWarning)
+        helical_step(files[0], [], tmp_path / "out.csv")
+        with pytest.raises(InputError, match=r"empty.dcd: cannot be read with"):
+            helical_step(files[0], [empty], tmp_path / "none.csv")
+    assert capsys.readouterr().err.splitlines() == [
+        "Note: coordinates are rounded to 0.001 Å in the file: angles are off by up to 0.03 degrees"
+    ]
+    gc.collect()
+    assert not unraisable
+
+
+def test_a_pair_list_without_chains(make_universe: Maker, tmp_path: Path) -> None:
+    # GRO has no chains: both strands number from 1.
+    structure = tmp_path / "duplex.gro"
+    make_universe("CGATTA").atoms.write(str(structure))
+    helical_step(structure, [], tmp_path / "found.csv")
+    found = pd.read_csv(tmp_path / "found.pairs.csv")
+    assert found["base_1"].tolist() == [f"SYSTEM:{n}#{n}" for n in range(1, 7)]
+    assert found["base_2"].tolist() == [f"SYSTEM:{n}#{n + 6}" for n in range(6, 0, -1)]
+    listed = tmp_path / "listed.csv"
+    lines = [", #1, , #12", "SYSTEM, 2#2, SYSTEM, 5#11", " ,3#3, ,4#10"]
+    listed.write_text("\n".join(["chain1, resid1 , chain2, resid2", *lines]))
+    helical_step(structure, [], tmp_path / "part.csv", listed)
+    part = (tmp_path / "part.csv").read_text()
+    assert (tmp_path / "found.csv").read_text().startswith(part)
 
 
 def test_other_misuse(files: tuple[Path, Path], make_universe: Maker, tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ from dnawaves.frames.parameters import PAIR_PARAMETERS, STEP_PARAMETERS
 from dnawaves.helical.analysis import HelicalParameters
 from dnawaves.helical.compute import Duplexes
 from dnawaves.helical.dataset import helical_dataset
-from dnawaves.helical.flags import NO_HELICAL_AXIS, OPEN, Z_FORM
+from dnawaves.helical.flags import NO_FRAME, NO_HELICAL_AXIS, OPEN, Z_FORM
 from dnawaves.helical.pairs import find_pairs
 
 Maker = Callable[..., MDAnalysis.Universe]
@@ -127,14 +127,9 @@ def test_z_dna_is_turned_over_as_3dna_does(make_ideal: Maker) -> None:
 
 
 def test_a_b_z_junction_turns_over_only_its_z_part(make_ideal: Maker) -> None:
-    turns = np.cumsum([0, 36, 36, 36, -9, -51, -9, -51])
-    origins_A = np.outer(np.arange(8), [0, 0, 3.5])
-    pairs = Rotation.from_euler("z", turns[:, None], degrees=True)
-    over = Rotation.concatenate([Rotation.identity(4), *[TURNED_OVER] * 4])
-    universe = make_ideal("CGATCGCG", "GCTAGCGC", pairs * over, origins_A, PARTNER)
-    found = HelicalParameters(universe).run().results.dataset
+    found = HelicalParameters(junction(make_ideal)).run().results.dataset
     assert (found.pair_flag[0] == [0] * 4 + [Z_FORM] * 4).all()
-    np.testing.assert_allclose(found.twist[0], np.diff(turns), atol=1e-3)
+    np.testing.assert_allclose(found.twist[0], [36, 36, 36, -9, -51, -9, -51], atol=1e-3)
 
 
 def test_the_z_form_is_decided_once(make_ideal: Maker) -> None:
@@ -147,6 +142,119 @@ def test_the_z_form_is_decided_once(make_ideal: Maker) -> None:
     assert (found.pair_flag == Z_FORM).all()
     z_form.trajectory[1]
     assert not HelicalParameters(z_form).run().results.dataset.pair_flag.any()
+
+
+def junction(make_ideal: Maker) -> MDAnalysis.Universe:
+    """Return eight pairs, four of the B form and four of the Z form."""
+    turns = np.cumsum([0, 36, 36, 36, -9, -51, -9, -51])
+    over = Rotation.concatenate([Rotation.identity(4), *[TURNED_OVER] * 4])
+    pairs = Rotation.from_euler("z", turns[:, None], degrees=True) * over
+    return make_ideal("CGATCGCG", "GCTAGCGC", pairs, np.outer(np.arange(8), [0, 0, 3.5]), PARTNER)
+
+
+@pytest.mark.parametrize("strand", ["A", "B"])
+@pytest.mark.parametrize("pair", [1, 2, 4, 5, 6, 8])
+def test_a_pair_open_at_first_has_the_form_of_its_neighbours(
+    make_ideal: Maker, pair: int, strand: str
+) -> None:
+    universe = junction(make_ideal)
+    expected = HelicalParameters(universe).run().results.dataset
+    closed = universe.atoms.positions.copy()
+    opened = closed.copy()
+    resid = pair if strand == "A" else 9 - pair
+    base = universe.select_atoms(f"segid {strand} and resid {resid}")
+    # Flipped out: turned over beside its place. Its own z tells nothing.
+    flip = Rotation.from_euler("xyz", [80, 60, 20], degrees=True)
+    centre = base.center_of_geometry()
+    opened[base.indices] = flip.apply(closed[base.indices] - centre) + centre + np.array([7, 7, 9])
+    universe.load_new(np.array([opened, closed]), format=MemoryReader)
+    listed = [(f"A:{n}", f"B:{9 - n}") for n in range(1, 9)]
+    found = HelicalParameters(universe, listed).run().results.dataset
+    assert found.pair_flag[0, pair - 1] & OPEN
+    # At the junction the pairs on both sides are as near: the one before decides.
+    forms = np.array([0] * 4 + [Z_FORM] * 4)
+    forms[pair - 1] = forms[max(0, pair - 2)] if pair > 1 else 0
+    np.testing.assert_array_equal(found.pair_flag[1], forms)
+    if pair != 5:
+        for name in ALL:
+            # Sums over one and over two frames differ by round-off: 1e-15 Å over 1.4 Å, in degrees.
+            np.testing.assert_allclose(found[name][1], expected[name][0], atol=1e-9, err_msg=name)
+
+
+@pytest.mark.parametrize("box", [None, [60, 60, 60, 90, 90, 90], [70, 70, 70, 80, 75, 70]])
+@pytest.mark.parametrize("missing", [1, 4, 8])
+def test_a_base_without_a_frame_leaves_its_neighbours_their_form(
+    make_ideal: Maker, missing: int, box: list[float] | None
+) -> None:
+    pairs, origins_A = z_dna(8)
+    universe = make_ideal("CGCGCGCG", "GCGCGCGC", pairs * TURNED_OVER, origins_A, PARTNER)
+    universe.dimensions = box
+    universe.select_atoms(f"segid A and resid {missing} and not name C1' C2 N3").names = "X"
+    listed = [(f"A:{n}", f"B:{9 - n}") for n in range(1, 9)]
+    with pytest.warns(UserWarning, match="its frame is undefined"):
+        found = HelicalParameters(universe, listed).run().results.dataset
+    assert (found.pair_flag[0] & Z_FORM).all()
+    known = [n for n in range(7) if n + 1 != missing and n + 2 != missing]
+    # float32 coordinates of 30 Å over a ring of 1.4 Å.
+    np.testing.assert_allclose(found.twist[0, known], np.resize([-9, -51], 7)[known], atol=1e-3)
+
+
+@pytest.mark.parametrize("lost", [[1], [4, 5], [10]])
+@pytest.mark.parametrize("strand", ["A", "B"])
+def test_a_base_at_nan_loses_its_own_pair_only(
+    make_universe: Maker, lost: list[int], strand: str
+) -> None:
+    universe = make_universe(SEQUENCE)
+    still = universe.atoms.positions.copy()
+    expected = HelicalParameters(universe).run().results.dataset
+    box = np.array([40.0, 42.0, 44.0, 90.0, 90.0, 90.0])
+    wrapped = np.mod(still + np.array([7, 11, 13]), box[:3]).astype(np.float32)
+    gap = wrapped.copy()
+    resids = [n if strand == "A" else 11 - n for n in lost]
+    gap[universe.select_atoms(f"segid {strand} and resid {' '.join(map(str, resids))}").indices] = (
+        np.nan
+    )
+    universe.load_new(np.array([wrapped, gap]), format=MemoryReader, dimensions=box)
+    found = HelicalParameters(universe).run().results.dataset
+    kept = [n for n in range(10) if n + 1 not in lost]
+    steps = [n for n in range(9) if n + 1 not in lost and n + 2 not in lost]
+    np.testing.assert_array_equal(np.isnan(found.shear[1]), [n + 1 in lost for n in range(10)])
+    np.testing.assert_array_equal(
+        (found.pair_flag[1] & NO_FRAME) > 0, [n + 1 in lost for n in range(10)]
+    )
+    for names, places, axis in ((PAIR_PARAMETERS, kept, "pair"), (STEP_PARAMETERS, steps, "step")):
+        for name in names:
+            # Coordinates of 40 Å in float32 are off by 4e-6 Å, angles by 2e-4 deg.
+            np.testing.assert_allclose(
+                found[name][1].isel({axis: places}),
+                expected[name][0].isel({axis: places}),
+                atol=1e-3,
+                err_msg=name,
+            )
+
+
+def test_half_a_strand_in_another_image_in_a_later_frame_is_refused(make_universe: Maker) -> None:
+    universe = make_universe(SEQUENCE)
+    still = universe.atoms.positions.copy()
+    jumped = still.copy()
+    jumped[universe.select_atoms("segid B and resid 1:3").indices] += [50, 0, 0]
+    universe.load_new(np.array([still, jumped]), format=MemoryReader)
+    with pytest.raises(InputError, match="frame 1: the strands do not lie side by side"):
+        HelicalParameters(universe).run()
+
+
+def test_an_end_that_melts_stays_in_the_analysis(make_universe: Maker) -> None:
+    universe = make_universe(SEQUENCE)
+    still = universe.atoms.positions.copy()
+    melted = still.copy()
+    # 16 Å a nucleotide, less than a jump: the chain's last three are 16, 32 and 48 Å away.
+    for number in (1, 2, 3):
+        part = universe.select_atoms(f"segid B and resid {number}")
+        melted[part.indices] += [16 * (4 - number), 0, 0]
+    universe.load_new(np.array([still, melted]), format=MemoryReader)
+    found = HelicalParameters(universe).run().results.dataset
+    np.testing.assert_array_equal(found.pair_flag[1] & OPEN, [0] * 7 + [OPEN] * 3)
+    assert np.isfinite(found.shear).all()
 
 
 def test_no_turn_has_no_helical_axis(make_ideal: Maker) -> None:

@@ -70,10 +70,94 @@ def test_an_overhang_does_not_pair(make_universe: Maker) -> None:
 
 def test_a_mismatch_is_kept(make_universe: Maker) -> None:
     universe = make_universe(SEQUENCE)
-    guanine = universe.select_atoms("segid A and resid 1").residues[0]
-    guanine.atoms.select_atoms("name O6").names = "N6"  # now an A opposite C
-    assert find_pairs(universe)[0].sequence == "A-C"
+    adenine = universe.select_atoms("segid A and resid 5").residues[0]
+    adenine.atoms.select_atoms("name N6").names = "O6"  # now a G opposite T
+    assert find_pairs(universe)[4].sequence == "G-T"
     assert len(find_pairs(universe)) == 8
+
+
+def test_a_mismatch_at_an_end_is_no_pair(make_universe: Maker) -> None:
+    universe = make_universe(SEQUENCE)
+    universe.select_atoms("segid A and resid 1 and name O6").names = "N6"  # now an A opposite C
+    assert [pair.label for pair in find_pairs(universe)] == [
+        f"A:{n}-B:{9 - n}" for n in range(2, 9)
+    ]
+    listed = find_pairs(universe, [("A:1", "B:8"), ("A:2", "B:7")])
+    assert listed[0].sequence == "A-C"
+
+
+def test_ends_that_have_melted_are_left_out(make_universe: Maker) -> None:
+    universe = make_universe("CCGATCAAGG")
+    # A strand is cut at a bond of over 8 Å: here residue numbers alone join it.
+    universe.select_atoms("name P O5'").names = "X"
+    for number in (1, 2):
+        universe.select_atoms(f"segid B and resid {number}").translate([22 * (3 - number), 0, 0])
+    assert [pair.label for pair in find_pairs(universe)] == [
+        f"A:{n}-B:{11 - n}" for n in range(1, 9)
+    ]
+
+
+@pytest.mark.parametrize("part", ["segid B and resid 1:5", "segid A and resid 1:4"])
+def test_half_a_strand_in_another_periodic_image_is_refused(
+    make_universe: Maker, part: str
+) -> None:
+    universe = make_universe("CCGATCAAGG")
+    universe.select_atoms(part).translate([0, 50, 0])
+    with pytest.raises(InputError, match="the chain jumps by"):
+        find_pairs(universe)
+    universe.atoms.names = ["X" if name in ("P", "O5'") else name for name in universe.atoms.names]
+    with pytest.raises(InputError, match="one periodic image"):
+        find_pairs(universe)
+    universe.dimensions = [70, 50, 60, 90, 90, 90]
+    assert len(find_pairs(universe)) == 10
+
+
+def test_files_without_phosphorus(make_universe: Maker) -> None:
+    universe = make_universe(SEQUENCE)
+    universe.select_atoms("name P OP1 OP2").names = "X"
+    found = HelicalParameters(universe).run().results.dataset
+    assert found.sizes["pair"] == 8
+    assert not found.step_flag.any()
+
+
+@pytest.mark.parametrize(
+    ("residue", "name", "gone", "letter"),
+    [
+        ("segid A and resid 3", "DT", {"C7"}, "T"),  # no methyl group in the file
+        ("segid A and resid 3", "U", {"X"}, "U"),  # named as RNA, with one
+        ("segid A and resid 2", "DG", {"X"}, "A"),  # N6 contradicts the name
+        ("segid A and resid 2", "DC", {"N6"}, "A"),  # so does the ring
+        ("segid A and resid 1", "DG", {"O6"}, "G"),
+        ("segid A and resid 1", "2PR", {"O6"}, "A"),  # 2-aminopurine pairs with T
+        ("segid A and resid 1", "DA", {"O6"}, "A"),  # the same, named after what it is like
+        ("segid A and resid 6", "CYT", {"N4"}, "C"),
+    ],
+)
+def test_a_residue_name_counts_unless_atoms_contradict_it(
+    make_universe: Maker, residue: str, name: str, gone: set[str], letter: str
+) -> None:
+    universe = make_universe(SEQUENCE)
+    changed = universe.select_atoms(residue).residues[0]
+    changed.resname = name
+    changed.atoms.select_atoms(f"name {' '.join(gone)}").names = "Y"
+    bases = [nucleotide.base for nucleotide in find_nucleotides(universe.atoms)]
+    assert bases[changed.resid - 1].letter == letter
+
+
+def test_one_pair_alone_is_refused_as_such(make_universe: Maker) -> None:
+    universe = make_universe(SEQUENCE)
+    ends = universe.select_atoms("(segid A and resid 1) or (segid B and resid 8)")
+    with pytest.raises(InputError, match="side by side, but fewer than 2 of their bases face"):
+        find_pairs(ends)
+    assert len(find_pairs(ends, [("A:1", "B:8")])) == 1
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_coordinates_that_are_no_numbers_are_refused_as_such(make_universe: Maker) -> None:
+    universe = make_universe(SEQUENCE)
+    universe.atoms.positions = np.full_like(universe.atoms.positions, np.nan)
+    with pytest.raises(InputError, match="coordinates that are no numbers"):
+        find_pairs(universe)
 
 
 def test_given_pairs_override_in_the_given_order(make_universe: Maker) -> None:
@@ -264,6 +348,8 @@ def test_coordinates_of_another_topology(make_universe: Maker) -> None:
         ([("A:1", "B:8"), ("A:2", "B:8")], "B:8 is listed twice"),
         ([("A:1", "A:1")], "A:1 is listed twice"),
         ([("A:3", "B:6"), ("A:2", "B:7"), ("A:1", "B:8")], "3' to 5'"),
+        ([("A:1", "B:8"), ("A:3", "B:6"), ("A:2", "B:7"), ("A:4", "B:5")], "3' to 5'"),
+        ([("A:1", "B:8"), ("A:2", "B:6"), ("A:3", "B:7")], "turns back along strand II"),
     ],
 )
 def test_odd_lists_are_refused(
@@ -271,6 +357,20 @@ def test_odd_lists_are_refused(
 ) -> None:
     with pytest.raises(InputError, match=message):
         find_pairs(make_universe(SEQUENCE), pairs)
+
+
+def test_lists_of_two_duplexes_go_one_after_the_other(make_universe: Maker) -> None:
+    one, other = make_universe(SEQUENCE), make_universe(SEQUENCE)
+    other.atoms.translate([30, 5, 0])
+    other.segments.segids = ["C", "D"]
+    both = MDAnalysis.Merge(one.atoms, other.atoms)
+    duplexes = [[(f"{s}:{n}", f"{t}:{9 - n}") for n in range(1, 9)] for s, t in ("AB", "CD")]
+    assert [pair.duplex for pair in find_pairs(both, duplexes[0] + duplexes[1])] == [0] * 8 + [
+        1
+    ] * 8
+    interleaved = [pair for pairs in zip(*duplexes, strict=True) for pair in pairs]
+    with pytest.raises(InputError, match="one duplex after the other"):
+        find_pairs(both, interleaved)
 
 
 def test_a_list_as_a_file(make_universe: Maker, tmp_path: Path) -> None:

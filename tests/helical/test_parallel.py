@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from dnawaves.errors import InputError
 from dnawaves.helical.analysis import HelicalParameters
 from dnawaves.helical.blocks import render_blocks
 from dnawaves.helical.dataset import make_dataset
@@ -70,6 +71,41 @@ def test_chosen_frames(moving: MDAnalysis.Universe) -> None:
     found = HelicalParameters(moving).run(frames=[7, 3, 50]).results.dataset
     assert found.frame.values.tolist() == [7, 3, 50]
     np.testing.assert_allclose(found.time, [7, 3, 50])
+
+
+@pytest.mark.parametrize("backend", ["serial", "multiprocessing"])
+def test_backwards(moving: MDAnalysis.Universe, backend: str) -> None:
+    analysis = HelicalParameters(moving)
+    forwards = analysis.run(step=3).results.dataset
+    workers = {"serial": 1, "multiprocessing": 2}[backend]
+    backwards = analysis.run(step=-3, backend=backend, n_workers=workers).results.dataset
+    # 60, 57, ... 0: 61 frames, so the same ones; in matrix products of another size.
+    xr.testing.assert_allclose(backwards.isel(time=slice(None, None, -1)), forwards, atol=1e-10)
+
+
+def test_frames_by_number_and_by_mask(moving: MDAnalysis.Universe) -> None:
+    analysis = HelicalParameters(moving)
+    found = analysis.run(frames=[-1, 0, -FRAMES]).results.dataset
+    assert found.frame.values.tolist() == [FRAMES - 1, 0, 0]
+    mask = np.arange(FRAMES) % 20 == 7
+    assert analysis.run(frames=mask).results.dataset.frame.values.tolist() == [7, 27, 47]
+
+
+@pytest.mark.parametrize(
+    ("frames", "message"),
+    [
+        ([0, FRAMES], "there is no frame 61; there are 61"),
+        ([-FRAMES - 1], "there is no frame -62"),
+        ([True, False], "a mask of all 61 frames"),
+        ([0.5], "allowed are a list of frame numbers"),
+        (slice(3), "allowed are a list of frame numbers"),
+    ],
+)
+def test_frames_that_there_are_not(
+    moving: MDAnalysis.Universe, frames: object, message: str
+) -> None:
+    with pytest.raises(InputError, match=message):
+        HelicalParameters(moving).run(frames=frames)
 
 
 def test_no_frames(moving: MDAnalysis.Universe) -> None:

@@ -13,8 +13,9 @@ from MDAnalysis.analysis.base import AnalysisBase
 from MDAnalysis.analysis.results import Results
 from MDAnalysis.core.groups import AtomGroup
 from MDAnalysis.lib.log import ProgressBar
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from dnawaves.errors import InputError
 from dnawaves.helical.compute import Arrays, Duplexes, keep_freed_memory
 from dnawaves.helical.dataset import allocate, fill, make_dataset
 from dnawaves.helical.pairs import find_pairs
@@ -53,12 +54,29 @@ class HelicalParameters(AnalysisBase):
         self.duplexes = Duplexes(find_pairs(atoms, pairs), keep_frames)
         self.precision = coordinate_precision(atoms.universe.trajectory)
 
-    def run(self, *args: Any, **kwargs: Any) -> HelicalParameters:
-        """Analyse the trajectory; arguments as for every analysis of MDAnalysis."""
+    def run(
+        self,
+        start: int | None = None,
+        stop: int | None = None,
+        step: int | None = None,
+        frames: ArrayLike | None = None,
+        *args: Any,
+        **kwargs: Any,
+    ) -> HelicalParameters:
+        """Analyse the trajectory; arguments as for every analysis of MDAnalysis.
+
+        Raises `InputError` for `frames` that there are not.
+        """
+        if frames is None and step is not None and step < 0:
+            # Back to the first frame, stop is -1, which MDAnalysis then takes for the last.
+            frames = np.arange(*self._trajectory.check_slice_indices(start, stop, step))
+            start = stop = step = None
+        if frames is not None:
+            frames = _frame_numbers(frames, self._trajectory.n_frames)
         # What an earlier run left would travel to every worker and back.
         self._arrays, self.results = {}, Results()
         with shared_file() as self._shared:
-            super().run(*args, **kwargs)
+            super().run(start, stop, step, frames, *args, **kwargs)
         return self
 
     def block(self, frames: NDArray[np.int64]) -> xr.Dataset:
@@ -137,3 +155,20 @@ class HelicalParameters(AnalysisBase):
         self, arrays: Arrays, times_ps: NDArray[np.float64], frames: NDArray[np.int64]
     ) -> xr.Dataset:
         return make_dataset(arrays, self.duplexes, times_ps, frames, self.precision)
+
+
+def _frame_numbers(frames: ArrayLike, total: int) -> NDArray[np.int64]:
+    """Return the numbers of frames from numbers, negative ones from the end, or from a mask."""
+    chosen = np.asarray(frames)
+    if chosen.dtype == bool and chosen.shape == (total,):
+        return np.flatnonzero(chosen)
+    if chosen.ndim != 1 or (chosen.size and chosen.dtype.kind not in "iu"):
+        raise InputError(
+            f"frames: found shape {chosen.shape} of {chosen.dtype}; allowed are a list of frame"
+            f" numbers or a mask of all {total} frames"
+        )
+    numbers = chosen.astype(np.int64)
+    outside = numbers[(numbers < -total) | (numbers >= total)]
+    if outside.size:
+        raise InputError(f"frames: there is no frame {outside[0]}; there are {total}, from 0 on")
+    return np.where(numbers < 0, numbers + total, numbers)

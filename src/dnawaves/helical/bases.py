@@ -80,7 +80,7 @@ def find_nucleotides(atoms: AtomGroup) -> list[Nucleotide]:
 def _nucleotide(residue: Residue, named: dict[str, int]) -> Nucleotide:
     chain = str(getattr(residue.atoms[0], "chainID", "") or residue.segid)
     number = f"{residue.resid}{str(getattr(residue, 'icode', '')).strip()}"
-    letter = _letter_of_atoms(set(named)) or _letter_of_name(residue) or _usual_letter(set(named))
+    letter = _letter(set(named), _letter_of_name(residue))
     present = tuple(atom for atom in standard_ring(letter) if atom in named)
     indices = np.array([named[atom] for atom in present], dtype=np.int64)
     return Nucleotide(
@@ -102,10 +102,22 @@ def _named_atoms(residue: Residue) -> dict[str, int]:
     return named
 
 
+def _letter(names: set[str], of_residue: str | None) -> str:
+    """Return the letter of the residue's name, unless the atoms that are there contradict it."""
+    of_atoms = _letter_of_atoms(names)
+    if of_residue is None:
+        return of_atoms or _usual_letter(names)
+    # A methyl group may be missing in a file: T and U are told by their names.
+    if of_atoms is None or {of_atoms, of_residue} == {"T", "U"}:
+        contradicted = of_residue not in "AG" and names & _PURINE_ONLY
+        return _usual_letter(names) if contradicted else of_residue
+    return of_atoms
+
+
 def _letter_of_atoms(names: set[str]) -> str | None:
     """Return the letter by the group at C6 of a purine, at C4 and C5 of a pyrimidine."""
     if names & _PURINE_ONLY:
-        return "A" if "N6" in names else "G" if names & {"O6", "N2"} else None
+        return "A" if "N6" in names else "G" if names & {"O6", "S6"} else None
     if "N4" in names:
         return "C"
     if "O4" in names:

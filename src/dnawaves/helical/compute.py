@@ -130,7 +130,7 @@ class Duplexes:
         bases = self._fit(self._image(positions_A, boxes))
         first, second = _part(bases, slice(count)), _part(bases, slice(count, None))
         in_pairs = pair_parameters(first, turned_over(second, self._parallel))
-        self._refuse_apart(in_pairs.values, frames)
+        self._refuse_apart(in_pairs.values, bases.origin, frames)
         pairs = in_pairs.middle
         if self._half_turned.any():
             _count_from_zero(in_pairs, self._half_turned)
@@ -186,18 +186,29 @@ class Duplexes:
         return pair_flag, step_flag | np.array(broken, dtype=np.uint8)
 
     def _refuse_apart(
-        self, values: NDArray[np.float64], frames: Sequence[int] | NDArray[np.int64] | None
+        self,
+        values: NDArray[np.float64],
+        origins_A: NDArray[np.float64],
+        frames: Sequence[int] | NDArray[np.int64] | None,
     ) -> None:
         far = dot(values, values) > ABSURD_A**2
         if not far.any():
             return
-        apart = np.flatnonzero(2 * far.sum(axis=0) > len(self.pairs))
+        times = np.flatnonzero(far.any(axis=0))
+        joined = np.array([pair.joined for pair in self.pairs], dtype=bool)
+        steps = self.steps[joined[self.steps + 1]]
+        here = np.concatenate([steps, steps + len(self.pairs)])
+        chain_A = origins_A[:, here + 1][..., times] - origins_A[:, here][..., times]
+        # Strands that melt are whole; those that jump to another image are torn, or all apart.
+        torn = (dot(chain_A, chain_A) > ABSURD_A**2).any(axis=0)
+        apart = times[torn | (2 * far[:, times].sum(axis=0) > len(self.pairs))]
         if len(apart):
             number = int(apart[0]) if frames is None else int(frames[apart[0]])
             raise InputError(
-                f"frame {number}: the strands do not lie side by side: more than half of the bases"
-                f" are over {ABSURD_A:g} Å from their partners; make the molecules whole in one"
-                " periodic image (or give the file its box), or end before the strands part"
+                f"frame {number}: the strands do not lie side by side: bases are over"
+                f" {ABSURD_A:g} Å from their partners, more than half of them or with a jump in"
+                " the chain; make the molecules whole in one periodic image (or give the file its"
+                " box), or end before the strands part"
             )
 
 

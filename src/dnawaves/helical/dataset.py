@@ -9,6 +9,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from dnawaves.errors import InputError
+from dnawaves.frames.fit import Frames
 from dnawaves.frames.helix import HELIX_PARAMETERS
 from dnawaves.frames.parameters import PAIR_PARAMETERS, STEP_PARAMETERS
 from dnawaves.helical.compute import Arrays, Duplexes
@@ -115,6 +116,25 @@ def make_dataset(
     if time_ps is not None:
         coordinates["time"] = ("time", np.asarray(time_ps), {"units": "ps"})
     return xr.Dataset(variables, coordinates, {"convention": _CONVENTION, **(attributes or {})})
+
+
+def pair_frames(dataset: xr.Dataset, duplex: int = 1) -> Frames:
+    """Return the base-pair frames of one duplex of a data set, over (pairs, times).
+
+    `origin` (3, pairs, times) in Å and `axes` (axis, component, pairs, times), as `dnawaves.frames`
+    takes them. Raises `InputError` for a data set without frames or without that duplex.
+    """
+    if "axes" not in dataset:
+        raise InputError("the data set was made without frames: keep_frames=False, --no-frames")
+    chosen = dataset["pair_duplex"].values == duplex
+    if not chosen.any():
+        raise InputError(
+            f"duplex {duplex}: there are 1 to {int(dataset['pair_duplex'].max())} in the data set"
+        )
+    return Frames(
+        dataset["origin"].transpose("component", "pair", "time").values[:, chosen],
+        dataset["axes"].transpose("axis", "component", "pair", "time").values[:, :, chosen],
+    )
 
 
 def _coordinates(duplexes: Duplexes) -> dict[str, object]:

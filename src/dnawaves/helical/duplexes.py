@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from MDAnalysis.lib.distances import capped_distance
 
-from dnawaves.helical.geometry import Bases
+from dnawaves.helical.geometry import ORIGINS_A, Bases
 
 Pairing = list[tuple[int, int]]
 
@@ -18,7 +18,7 @@ _COMPLEMENTARY = {("A", "T"), ("T", "A"), ("A", "U"), ("U", "A"), ("C", "G"), ("
 # C1'-C1' is 10.4 to 10.8 Å in Watson-Crick pairs, 13 Å between two purines.
 SUGARS_A = (8.0, 14.0)
 # One pair alone tells neither a register nor a direction.
-_FEWEST_PAIRS = 2
+FEWEST_PAIRS = 2
 
 
 class _Register(NamedTuple):
@@ -44,8 +44,8 @@ def find_duplexes(bases: Bases, strands: Sequence[Sequence[int]]) -> list[Pairin
     In each register (two strands and how they are laid side by side, antiparallel or parallel,
     without gaps) the complementary bases that face each other are counted. Registers are taken
     from the largest count down: all between its first and its last such pair belongs to the
-    duplex, mismatched and open pairs too, and beyond them whatever is complementary. A base is
-    in one pair at most.
+    duplex, mismatched and open pairs too, and beyond them what is complementary and no further
+    apart than 3DNA lets the bases of a pair be. A base is in one pair at most.
     """
     place_of = {base: (s, p) for s, strand in enumerate(strands) for p, base in enumerate(strand)}
     facing = _facing(bases)
@@ -61,13 +61,13 @@ def find_duplexes(bases: Bases, strands: Sequence[Sequence[int]]) -> list[Pairin
             left = [pair for pair in pairs if used.isdisjoint(pair)]
             registers[register] = left
         best = max(registers, key=lambda r: (len(registers[r]), not r.parallel), default=None)
-        if best is None or len(registers[best]) < _FEWEST_PAIRS:
+        if best is None or len(registers[best]) < FEWEST_PAIRS:
             return sorted(duplexes)
         seen = registers.pop(best)
         elsewhere = {
             base
             for pairs in registers.values()
-            if len(pairs) >= _FEWEST_PAIRS
+            if len(pairs) >= FEWEST_PAIRS
             for pair in pairs
             for base in pair
         } - {base for pair in seen for base in pair}
@@ -123,14 +123,13 @@ def _fill(
 
     def fits(place: int) -> bool:
         both = pair(place)
-        if both is None:
+        # In the loop of a hairpin neighbours may be complementary.
+        if both is None or register.first == register.second:
             return False
-        one, other = both
-        if register.first == register.second and one > other:
-            return False
-        alike = complementary(bases.bases[one].letter, bases.bases[other].letter)
-        # In the loop of a hairpin neighbours may be complementary: there only facing tells.
-        return (alike and register.first != register.second) or bool(bases.face([one], [other])[0])
+        origins = bases.frames.origin.T
+        (apart,) = bases.between(origins[[both[0]]], origins[[both[1]]])
+        letters = (bases.bases[number].letter for number in both)
+        return complementary(*letters) and bool(np.linalg.norm(apart) <= ORIGINS_A)
 
     while fits(begin - 1):
         begin -= 1

@@ -64,7 +64,8 @@ def decide_forms(
     """Return the base pairs of all duplexes, with their forms as they are now.
 
     `joined` tells of each base whether the backbone runs on to the next. Only pairs whose bases
-    face each other tell their own form; others are taken as most of their duplex are.
+    face each other tell their own form. Others are parallel where most of their duplex are, and
+    in the Z form where the nearest pair that tells is: a duplex may be part B, part Z.
     """
     pairs: list[BasePair] = []
     for number, duplex in enumerate(duplexes):
@@ -74,7 +75,7 @@ def decide_forms(
         parallel = _by_majority((z[:, first] * z[:, second]).sum(axis=0) > 0, closed)
         in_pairs = _pair_parameters(bases, first, second, parallel)
         half_turned = parallel & (np.abs(in_pairs.values[5]) > 90)
-        z_form = closed & _opposes_strand(bases, first, in_pairs.middle.axes[2])
+        z_form = _as_nearest(_opposes_strand(bases, first, in_pairs.middle.axes[2], closed), closed)
         for place, (one, other) in enumerate(duplex):
             before = duplex[place - 1] if place else None
             pairs.append(
@@ -117,17 +118,35 @@ def _pair_parameters(
     return pair_parameters(strand_I, turned_over(strand_II, parallel))
 
 
-def _opposes_strand(bases: Bases, first: list[int], z: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return where z of a pair (3, pairs) points against strand I's 5' to 3' direction.
+def _as_nearest(decided: NDArray[np.bool_], tells: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return what the nearest of those that tell decide; of two as near, the one before."""
+    telling = np.flatnonzero(tells)
+    if not len(telling):
+        return np.zeros_like(decided)
+    away = np.abs(np.arange(len(decided))[:, None] - telling)
+    return np.asarray(decided[telling[away.argmin(axis=1)]])
 
-    The direction is that from the pair before to the pair after.
+
+def _opposes_strand(
+    bases: Bases, first: list[int], z: NDArray[np.float64], closed: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
+    """Return where z of a closed pair (3, pairs) points against strand I's 5' to 3' direction.
+
+    The direction is that from the closed pair before to the closed pair after: the base of an
+    open one may be anywhere, or without a frame. False where no other pair is closed.
     """
     origin = bases.frames.origin[:, first].T
-    steps = bases.between(origin[:-1], origin[1:])
-    direction = np.zeros_like(origin)
-    direction[:-1] += steps
-    direction[1:] += steps
-    return np.asarray((z * direction.T).sum(axis=0) < 0)
+    known = np.flatnonzero(np.isfinite(origin).all(axis=1))
+    # Summed up from base to base, as a box may be narrower than the way over many open ones.
+    steps = bases.between(origin[known[:-1]], origin[known[1:]])
+    path = np.full_like(origin, np.nan)
+    path[known] = np.cumsum(np.vstack([np.zeros((min(1, len(known)), 3)), steps]), axis=0)
+    opposes = np.zeros(len(first), dtype=bool)
+    telling = np.flatnonzero(closed)
+    for number, place in enumerate(telling):
+        before, after = telling[max(0, number - 1)], telling[min(len(telling) - 1, number + 1)]
+        opposes[place] = z[:, place] @ (path[after] - path[before]) < 0
+    return opposes
 
 
 def _runs_on(here: int, there: int, joined: NDArray[np.bool_]) -> bool:

@@ -20,7 +20,7 @@ Numbers = NDArray[np.int64] | Sequence[int]
 
 # What makes a pair in 3DNA, Lu & Olson (2008) Nat. Protoc. 3, 1213: distance of the origins, its
 # part along the mean normal, angle between the normals.
-_ORIGINS_A, _VERTICAL_A, _NORMALS_DEG = 15.0, 2.5, 65.0
+ORIGINS_A, _VERTICAL_A, _NORMALS_DEG = 15.0, 2.5, 65.0
 # Rings of crystals and simulations are within 0.1 Å of the standard; anything else is no ring.
 _RING_RMSD_A = 0.5
 
@@ -69,7 +69,7 @@ class Bases:
         with np.errstate(invalid="ignore", divide="ignore"):
             vertical = np.abs((apart * normal).sum(axis=0)) / np.linalg.norm(normal, axis=0)
         return (
-            (np.linalg.norm(apart, axis=0) <= _ORIGINS_A)
+            (np.linalg.norm(apart, axis=0) <= ORIGINS_A)
             & (vertical <= _VERTICAL_A)
             & (np.abs(cosine) >= np.cos(np.radians(_NORMALS_DEG)))
         )

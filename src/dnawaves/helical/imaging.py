@@ -44,7 +44,7 @@ class Imaging:
         vectors = np.array([triclinic_vectors(boxes[time]) for time in boxed], dtype=np.float64)
         inverse = np.linalg.inv(vectors)
         positions = positions_A[boxed]
-        first = positions[:, self._first_atom]
+        first = self._without_gaps(positions[:, self._first_atom])
         of_atoms = _images(positions - first[:, self._base_of_atom], inverse)
         of_bases = _images(first - first[:, self._anchors], inverse)
         for base in self._order:
@@ -56,6 +56,20 @@ class Imaging:
         whole = positions_A.astype(np.float64)
         whole[boxed] += of_atoms @ vectors
         return whole
+
+    def _without_gaps(self, first_A: NDArray[np.floating]) -> NDArray[np.floating]:
+        """Give a base at NaN (times, bases, 3) a neighbour's place, so that others can hang on it.
+
+        That of its anchor, or where nothing before it is known, of a base that hangs on it.
+        """
+        if not np.isnan(first_A).any():
+            return first_A
+        hung = [base for base in self._order if self._anchors[base] != base]
+        links = [(base, self._anchors[base]) for base in hung]
+        for base, other in links + [(anchor, base) for base, anchor in reversed(links)]:
+            gap = np.isnan(first_A[:, base]).any(axis=1)
+            first_A[gap, base] = first_A[gap, other]
+        return np.nan_to_num(first_A)
 
 
 def _images(between_A: NDArray[np.floating], inverse: NDArray[np.floating]) -> NDArray[np.float64]:

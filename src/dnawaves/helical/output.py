@@ -42,6 +42,11 @@ def csv_output(path: Path) -> Iterator[Callable[[tuple[bytes, bytes]], None]]:
         yield append
 
 
+def output_paths(path: Path) -> list[Path]:
+    """Return all files that are written for an output: a CSV file has another beside it."""
+    return [path, pair_table_path(path)] if path.suffix == ".csv" else [path]
+
+
 def pair_table_path(path: Path) -> Path:
     """Return where the pair table goes, beside a step table: out.csv and out.pairs.csv."""
     return path.with_suffix(f".pairs{path.suffix}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import combinations, pairwise
+from itertools import combinations, pairwise, product
 
 import numpy as np
 from MDAnalysis import Universe
@@ -11,10 +11,21 @@ from MDAnalysis.core.groups import AtomGroup
 
 from dnawaves.errors import InputError
 from dnawaves.helical.bases import Nucleotide, find_nucleotides
-from dnawaves.helical.duplexes import SUGARS_A, Pairing, complementary, find_duplexes
+from dnawaves.helical.duplexes import (
+    FEWEST_PAIRS,
+    SUGARS_A,
+    Pairing,
+    complementary,
+    find_duplexes,
+)
 from dnawaves.helical.form import BasePair, decide_forms
 from dnawaves.helical.geometry import Bases
-from dnawaves.helical.pair_list import named_pairs, split_list
+from dnawaves.helical.pair_list import (
+    named_pairs,
+    refuse_shuffled,
+    split_list,
+    uniquely_labelled,
+)
 from dnawaves.helical.strands import find_strands, spell
 
 # A flipped-out base reaches 20 Å: C1'-C1' beyond this is a strand in another periodic image.
@@ -39,29 +50,86 @@ def find_pairs(
     if box is not None and not np.all(box[:3] > 0):
         box = None
     strands, joined = find_strands(nucleotides, positions_A, box)
-    bases = Bases([nucleotide.base for nucleotide in nucleotides], positions_A, box)
+    bases = Bases(uniquely_labelled([n.base for n in nucleotides]), positions_A, box)
     if pairs is None:
         duplexes = find_duplexes(bases, strands)
         if not duplexes:
             raise InputError(_why_none(bases, nucleotides, strands))
+        _refuse_torn(bases, nucleotides, duplexes)
     else:
         strand_of = [number for number, strand in enumerate(strands) for _ in strand]
         duplexes = split_list(named_pairs(bases.bases, pairs), strand_of)
-        _refuse_backwards(bases, duplexes)
+        refuse_shuffled(bases.bases, duplexes, strand_of)
     for duplex in duplexes:
         _refuse_apart(bases, duplex)
     return decide_forms(bases, duplexes, joined)
 
 
-def _refuse_backwards(bases: Bases, duplexes: Sequence[Pairing]) -> None:
-    for duplex in duplexes:
-        forwards = [there[0] > here[0] for here, there in pairwise(duplex)]
-        if forwards and 2 * sum(forwards) < len(forwards):
-            start, end = (bases.bases[duplex[place][0]].label for place in (0, -1))
-            raise InputError(
-                f"base pairs: the list goes along strand I from {start} to {end}, 3' to 5';"
-                " list it from 5' to 3'"
+def _refuse_torn(
+    bases: Bases, nucleotides: Sequence[Nucleotide], duplexes: Sequence[Pairing]
+) -> None:
+    """Refuse a duplex whose strands go on, complementary, but in another periodic image.
+
+    There the chain jumps, which tells it from strands that have melted.
+    """
+    paired = {number for duplex in duplexes for both in duplex for number in both}
+    for duplex, way in product(duplexes, (-1, 1)):
+        end = duplex[0 if way < 0 else -1]
+        rest = _rest_beyond(
+            end, (way, way if duplex[-1][1] > duplex[0][1] else -way), nucleotides, paired
+        )
+        if not rest:
+            continue
+        distances_A = _sugar_distances_A(bases, rest)
+        jumps_A = [
+            _sugar_distances_A(bases, [(here[strand], there[strand])])[0]
+            for here, there in pairwise([end, *rest])
+            for strand in (0, 1)
+        ]
+        # NaN, of a base without a frame, is not above anything.
+        if max(np.nan_to_num(jumps_A)) > ABSURD_A and (distances_A > ABSURD_A).mean() > 0.5:
+            first, last = (
+                "-".join(bases.bases[number].label for number in rest[place]) for place in (0, -1)
             )
+            raise InputError(
+                f"the strands are complementary from {first} to {last} as well, but do not lie"
+                f" side by side there: C1'-C1' is up to {np.nanmax(distances_A):.1f} Å, and the"
+                f" chain jumps by {np.nanmax(jumps_A):.1f} Å from one nucleotide to the next; make"
+                " the molecules whole in one periodic image (or give the file its box), or give"
+                " the list of base pairs"
+            )
+
+
+def _rest_beyond(
+    end: tuple[int, int],
+    ways: tuple[int, int],
+    nucleotides: Sequence[Nucleotide],
+    paired: set[int],
+) -> Pairing:
+    """Return what is complementary and free beyond the end of a duplex, wherever it lies."""
+    rest: Pairing = []
+    one, other = end
+    while True:
+        here, there = one + ways[0], other + ways[1]
+        if (
+            here == there
+            or not paired.isdisjoint((here, there))
+            or not _follows(nucleotides, one, here)
+            or not _follows(nucleotides, other, there)
+            or not complementary(nucleotides[here].base.letter, nucleotides[there].base.letter)
+        ):
+            return rest
+        one, other = here, there
+        rest.append((one, other))
+
+
+def _follows(nucleotides: Sequence[Nucleotide], here: int, there: int) -> bool:
+    """Return whether two that are next to each other in the file are so in a chain."""
+    early, late = min(here, there), max(here, there)
+    if early < 0 or late >= len(nucleotides):
+        return False
+    one, other = nucleotides[early], nucleotides[late]
+    return one.chain == other.chain and 0 <= other.resid - one.resid <= 1
 
 
 def _refuse_apart(bases: Bases, duplex: Pairing) -> None:
@@ -105,11 +173,24 @@ def _why_none(
     for one, other in combinations(strands, 2):
         register = _complement(bases, one, other)
         if register:
-            median_A = float(np.nanmedian(_sugar_distances_A(bases, register)))
+            both = f"the strands {spell(nucleotides, one)} and {spell(nucleotides, other)} are"
+            distances_A = _sugar_distances_A(bases, register)
+            known = distances_A[np.isfinite(distances_A)]
+            if not len(known):
+                return (
+                    f"{both} complementary, but no pair of their bases has frames: fewer than three"
+                    " ring atoms, or coordinates that are no numbers"
+                )
+            median_A = float(np.median(known))
+            if SUGARS_A[0] < median_A < SUGARS_A[1]:
+                return (
+                    f"{both} complementary and side by side, but fewer than {FEWEST_PAIRS} of"
+                    " their bases face each other as those of a pair do; give the list of base"
+                    " pairs"
+                )
             return (
-                f"the strands {spell(nucleotides, one)} and {spell(nucleotides, other)} are"
-                f" complementary, but do not lie side by side: C1'-C1' is {median_A:.1f} Å in the"
-                f" median, allowed are {SUGARS_A[0]:g} to {SUGARS_A[1]:g} Å; make the molecules"
+                f"{both} complementary, but do not lie side by side: C1'-C1' is {median_A:.1f} Å in"
+                f" the median, allowed are {SUGARS_A[0]:g} to {SUGARS_A[1]:g} Å; make the molecules"
                 " whole in one periodic image (or give the file its box), or give the list of"
                 " base pairs"
             )

@@ -38,4 +38,4 @@ def _last_place_A(part: ProtoReader) -> float:
     if "XTC" in formats:
         with XTCFile(part.filename) as file:
             return float(10 / file.read().prec)
-    return max(_LAST_PLACE_A.get(name, 0.0) for name in formats)
+    return max(_LAST_PLACE_A.get(name.upper(), 0.0) for name in formats)

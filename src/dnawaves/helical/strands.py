@@ -25,15 +25,20 @@ def find_strands(
     """Return the strands (numbers of nucleotides, 5' to 3') and which are joined to the next.
 
     A strand ends where the chain changes, where residue numbers fall, where the next nucleotide
-    is a 5' end (O5' but no P), and where its P is far away though the numbers run on. Joined are
-    O3' and P at bond length; where a file has neither atom, successive residue numbers.
+    is a 5' end (O5' but no P, in a chain that has P), and where its P is far away though the
+    numbers run on. Joined are O3' and P at bond length; where a file has not both of them,
+    successive residue numbers.
     """
+    with_phosphorus = {
+        nucleotide.chain for nucleotide in nucleotides if nucleotide.phosphorus is not None
+    }
     strands: list[list[int]] = [[0]] if nucleotides else []
     joined = np.zeros(len(nucleotides), dtype=bool)
     lengths_A = _backbone_bonds_A(nucleotides, positions_A, box)
     for number, (here, there) in enumerate(pairwise(nucleotides)):
         gap = there.resid - here.resid
-        ends = here.chain != there.chain or gap < 0 or there.five_prime_end
+        starts = there.five_prime_end and there.chain in with_phosphorus
+        ends = here.chain != there.chain or gap < 0 or starts
         if ends or (gap <= 1 and lengths_A[number] > _APART_A):
             strands.append([])
         elif np.isnan(lengths_A[number]):
