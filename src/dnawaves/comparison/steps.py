@@ -99,7 +99,8 @@ def _agreement_in_system(group: pd.DataFrame) -> list[str]:
         words = "agrees" if abs(change) <= AGREEMENT else "differs"
         if words == "agrees" and "poor fit" in row["reason"]:
             words = "agrees, but by a poor fit"
-        percent = f"{change:+.0%}".replace("-", "−")
+        # Adding zero turns a negative one into a positive one.
+        percent = f"{round(change, 2) + 0.0:+.0%}".replace("-", "−")
         sentence = f"{row['scene']}, {row['estimator']}: {percent}, {words}"
         why = f" ({_why(row, known, speed)})" if words == "differs" else ""
         sentences.append(f"{sentence}{why}.")

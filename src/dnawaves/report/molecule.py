@@ -180,7 +180,7 @@ def twins_table(results: Results) -> Table | None:
             "wave",
             "simulated, Å/ps",
             "exact, Å/ps",
-            "largest difference of any base pair, of the peak",
+            "largest difference, of the peak",
         ],
         rows,
     )
