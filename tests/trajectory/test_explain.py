@@ -16,8 +16,9 @@ import yaml
 from dnawaves.duplex.build import build_duplex
 from dnawaves.errors import InputError
 from dnawaves.motion.fields import wave_fields
+from dnawaves.scene.excitations import Static
 from dnawaves.scene.load import load_scenes
-from dnawaves.scene.models import SceneSpec, Static
+from dnawaves.scene.models import SceneSpec
 from dnawaves.scene.pairs import held_pairs
 from dnawaves.system.duplex import SimulatedDuplex
 from dnawaves.system.forces import load_force_field

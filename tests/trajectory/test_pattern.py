@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from dnawaves.scene.models import Ends, Kick, Periodic, Pulse, SceneSpec, StandingWave
+from dnawaves.scene.excitations import Kick, Periodic, Pulse, StandingWave
+from dnawaves.scene.models import Ends, SceneSpec
 from dnawaves.scene.pairs import excited_pairs, held_pairs
 from dnawaves.system.duplex import SimulatedDuplex
 from dnawaves.trajectory.pattern import (

@@ -6,15 +6,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from dnawaves.scene.models import (
-    Ends,
-    Environment,
-    NamedDuplex,
-    Nothing,
-    Observation,
-    SceneSpec,
-    SystemSpec,
-)
+from dnawaves.scene.excitations import Nothing
+from dnawaves.scene.models import Ends, Environment, NamedDuplex, Observation, SceneSpec, SystemSpec
 from dnawaves.waves.analyse import analyse
 from dnawaves.waves.record import Record
 

@@ -21,7 +21,7 @@ from dnawaves.report.style import (
 )
 from dnawaves.report.tables import Table
 from dnawaves.rod.rod import BEND_1, EXTENSION, TWIST, Rod, short_wave_speeds_A_per_ps
-from dnawaves.scene.models import Static
+from dnawaves.scene.excitations import Static
 from dnawaves.units import KJ_PER_MOL_PER_PN_NM
 from dnawaves.waves.record import AXIAL_WAVES
 

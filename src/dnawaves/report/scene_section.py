@@ -20,7 +20,7 @@ from dnawaves.report.standing_wave import projection_figure
 from dnawaves.report.style import MEASURED_LINE, PAPER_LINE, Illustration
 from dnawaves.report.tables import short_verdict
 from dnawaves.report.words import scene_sentence
-from dnawaves.scene.models import Kick, Nothing, Periodic, Pulse, StandingWave, Static
+from dnawaves.scene.excitations import Kick, Nothing, Periodic, Pulse, StandingWave, Static
 from dnawaves.scene.pairs import excited_pairs
 from dnawaves.waves.record import AXIAL_WAVES
 

@@ -8,7 +8,8 @@ import pandas as pd
 
 from dnawaves.comparison.steps import agreement, lowest_first
 from dnawaves.report.numbers import between, counted, digits, listed
-from dnawaves.scene.models import Kick, Periodic, Pulse, SceneSpec, StandingWave, Static
+from dnawaves.scene.excitations import Kick, Periodic, Pulse, StandingWave, Static
+from dnawaves.scene.models import SceneSpec
 from dnawaves.waves.record import AXIAL_WAVES
 
 AXIS = {

@@ -15,17 +15,8 @@ from dnawaves.errors import InputError
 from dnawaves.files import read_json
 from dnawaves.scene.contradictions import contradictions
 from dnawaves.scene.environment import Environment
-from dnawaves.scene.models import (
-    Configuration,
-    Kick,
-    NamedDuplex,
-    Periodic,
-    Pulse,
-    Scene,
-    SceneSpec,
-    StandingWave,
-    SystemSpec,
-)
+from dnawaves.scene.excitations import Kick, Periodic, Pulse, StandingWave
+from dnawaves.scene.models import Configuration, NamedDuplex, Scene, SceneSpec, SystemSpec
 from dnawaves.scene.pairs import held_pairs
 from dnawaves.scene.sequence import check_sequence
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dnawaves.scene.models import Ends, Kick, Periodic, Pulse
+from dnawaves.scene.excitations import Kick, Periodic, Pulse
+from dnawaves.scene.models import Ends
 
 
 def held_counts(ends: Ends) -> tuple[int, int]:

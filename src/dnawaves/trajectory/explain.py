@@ -11,8 +11,9 @@ from dnawaves.duplex.build import build_duplex
 from dnawaves.errors import InputError
 from dnawaves.files import read_netcdf
 from dnawaves.rod.rod import Rod, short_wave_speeds_A_per_ps
+from dnawaves.scene.excitations import Periodic, Pulse, Static
 from dnawaves.scene.load import load_scenes
-from dnawaves.scene.models import Periodic, Pulse, SceneSpec, Static, SystemSpec
+from dnawaves.scene.models import SceneSpec, SystemSpec
 from dnawaves.scene.pairs import held_pairs, span
 from dnawaves.system.duplex import SimulatedDuplex
 from dnawaves.system.forces import load_force_field

@@ -11,7 +11,8 @@ from dnawaves.rod.oscillator import (
     impulse_response,
     sine_drive_response,
 )
-from dnawaves.scene.models import Kick, Periodic, Pulse, SceneSpec, StandingWave
+from dnawaves.scene.excitations import Kick, Periodic, Pulse, StandingWave
+from dnawaves.scene.models import SceneSpec
 from dnawaves.system.duplex import SimulatedDuplex
 from dnawaves.system.modes import NormalModes
 from dnawaves.trajectory.pattern import forces_at_full_strength, kick_pattern

@@ -10,7 +10,8 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.linalg import cho_solve
 
-from dnawaves.scene.models import SceneSpec, Static
+from dnawaves.scene.excitations import Static
+from dnawaves.scene.models import SceneSpec
 from dnawaves.system.duplex import SimulatedDuplex
 from dnawaves.system.guided import GuidedEnd, linear_response
 from dnawaves.system.hessian import ReferenceForces

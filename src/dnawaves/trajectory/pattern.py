@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from dnawaves.rod.rod import Rod
 from dnawaves.rod.standing import axial_standing_wave, bend_standing_wave, shear_standing_wave
-from dnawaves.scene.models import Ends, Kick, Periodic, Pulse, StandingWave
+from dnawaves.scene.excitations import Kick, Periodic, Pulse, StandingWave
+from dnawaves.scene.models import Ends
 from dnawaves.scene.pairs import excited_pairs
 from dnawaves.system.duplex import SimulatedDuplex
 from dnawaves.units import A_PER_NM, PN_PER_KJ_PER_MOL_NM

@@ -9,7 +9,8 @@ import numpy as np
 
 from dnawaves.errors import InputError
 from dnawaves.rod.rod import Rod, short_wave_speeds_A_per_ps
-from dnawaves.scene.models import Periodic, Pulse, SceneSpec
+from dnawaves.scene.excitations import Periodic, Pulse
+from dnawaves.scene.models import SceneSpec
 
 # Samples in one period of the fastest wave, twice what resolves it and some to spare.
 SAMPLES_PER_PERIOD = 10

@@ -10,7 +10,8 @@ from typing import Any
 import openmm
 
 from dnawaves.files import provenance
-from dnawaves.scene.models import Kick, SceneSpec, StandingWave
+from dnawaves.scene.excitations import Kick, StandingWave
+from dnawaves.scene.models import SceneSpec
 from dnawaves.system.duplex import SimulatedDuplex
 from dnawaves.trajectory.checkpoint import Checkpoints, digest, frames_between
 from dnawaves.trajectory.dynamics import Saved

@@ -9,7 +9,8 @@ import numpy as np
 import openmm
 from numpy.typing import NDArray
 
-from dnawaves.scene.models import Kick, Periodic, Pulse, SceneSpec, StandingWave
+from dnawaves.scene.excitations import Kick, Periodic, Pulse, StandingWave
+from dnawaves.scene.models import SceneSpec
 from dnawaves.scene.pairs import held_pairs
 from dnawaves.system.duplex import SimulatedDuplex
 from dnawaves.trajectory.dynamics import Dynamics, Frame, Saved

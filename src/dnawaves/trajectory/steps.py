@@ -11,8 +11,8 @@ import scipy.sparse
 
 from dnawaves.errors import InputError
 from dnawaves.files import read_netcdf, write_netcdf
+from dnawaves.scene.excitations import Static
 from dnawaves.scene.load import read_scene
-from dnawaves.scene.models import Static
 from dnawaves.scene.pairs import held_counts, span
 from dnawaves.system.modes_file import read_modes
 from dnawaves.system.relax import read_relaxed

@@ -17,14 +17,7 @@ from dnawaves.rod.standing import (
     fixed_fixed_frequency_GHz,
     shear_standing_wave,
 )
-from dnawaves.scene.models import (
-    Kick,
-    Nothing,
-    Periodic,
-    Pulse,
-    StandingWave,
-    Static,
-)
+from dnawaves.scene.excitations import Kick, Nothing, Periodic, Pulse, StandingWave, Static
 from dnawaves.scene.pairs import excited_pairs
 from dnawaves.units import A_PER_NM, GHZ_PER_RAD_PER_PS, KJ_PER_MOL_PER_PN_NM
 from dnawaves.waves.estimators import (

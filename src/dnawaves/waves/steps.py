@@ -12,8 +12,9 @@ import xarray as xr
 from dnawaves.errors import InputError
 from dnawaves.files import read_netcdf, write_netcdf
 from dnawaves.motion.fields import WAVE_COMPONENTS
+from dnawaves.scene.excitations import Kick, Nothing, Periodic, StandingWave, Static
 from dnawaves.scene.load import read_scene
-from dnawaves.scene.models import Kick, Nothing, Periodic, SceneSpec, StandingWave, Static
+from dnawaves.scene.models import SceneSpec
 from dnawaves.waves.analyse import analyse, mode_projection, standing_projection
 from dnawaves.waves.record import Record
 from dnawaves.waves.spectrum import frequency_wavenumber
