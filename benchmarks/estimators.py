@@ -1,8 +1,8 @@
 """Bias, spread, coverage and false alarms of every estimator, on synthetic truth.
 
-python benchmarks/estimators.py [draws] prints Markdown tables; 200 draws by default, in two
-processes. A chain of 24 base pairs, free at both ends, extension at 8.19 Å/ps with a friction of
-0.3 /ps, is pushed at its first base pair by a Gaussian force of standard deviation 0.46 ps. SNR is
+python benchmarks/estimators.py [draws [processes]] prints Markdown tables; 200 draws by default,
+in two processes. A chain of 24 base pairs, free at both ends, extension at 8.19 Å/ps with a friction
+of 0.3 /ps, is pushed at its first base pair by a Gaussian force of standard deviation 0.46 ps. SNR is
 the noise-free peak at the last base pair over the noise's standard deviation there, in each of
 ten samples per full width at half maximum of the pulse. Thermal noise is the chain's own.
 """
@@ -146,8 +146,11 @@ def row(label: str, outcomes: Sequence[Outcome]) -> str:
 
 
 def main() -> None:
-    draws = int(sys.argv[1]) if len(sys.argv) > 1 else DRAWS
-    with ProcessPoolExecutor(PROCESSES) as pool:
+    draws, processes = (
+        int(sys.argv[place]) if len(sys.argv) > place else default
+        for place, default in ((1, DRAWS), (2, PROCESSES))
+    )
+    with ProcessPoolExecutor(processes) as pool:
         print(f"Errors in %, {draws} draws. Flagged: as of the wrong model class.\n")
         print("| estimator | median ± half 16-84 % | mean | sd | coverage % | flagged % |")
         print("|---|---|---|---|---|---|")

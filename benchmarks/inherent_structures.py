@@ -29,7 +29,7 @@ def main(config: Path, name: str, seeds: list[int]) -> None:
         built, relaxed = Path(folder) / "built.pdb", Path(folder) / "relaxed.pdb"
         write_pdb(topology, positions, built)
         for seed in seeds:
-            relaxation = spec.environment.relaxation.model_copy(update={"seed": seed})
+            relaxation = spec.environment.to_minimum.model_copy(update={"seed": seed})
             environment = spec.environment.model_copy(update={"relaxation": relaxation})
             seeded = spec.model_copy(update={"environment": environment})
             # From the file, as the workflow does: its rounding decides where an anneal ends too.

@@ -28,7 +28,7 @@ def test_the_configuration_that_the_tests_spoil_is_valid(write_configuration: An
     [
         ("kicked.duplex", "mixed99", "'mixed99'", "mixed12, mixed8"),
         ("kicked.environment", "water", "'water'", "condensed"),
-        ("kicked.ends.first", "glued", "'glued'", "'free' or 'held'"),
+        ("kicked.ends.first", "glued", "'glued'", "'free', 'held' or 'restrained'"),
         ("kicked.ends.pairs", 0, "0", "greater than or equal to 1"),
         ("kicked.ends.pairs", 11, "11", "less than or equal to 10"),
         ("quiet.ends.pairs", 6, "6", "at least 2 of the 12 base pairs stay free"),

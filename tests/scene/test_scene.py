@@ -21,7 +21,7 @@ def test_names_are_resolved(write_configuration: Any) -> None:
     system = load_scenes(write_configuration())["kicked"].system
     assert system.name == "mixed12-condensed"
     assert system.duplex.sequence == "CGATCAGTCACG"
-    assert system.environment.relaxation.anneal_ps == 2
+    assert system.environment.to_minimum.anneal_ps == 2
 
 
 @pytest.mark.parametrize(

@@ -25,7 +25,7 @@ def silent(line: str) -> None:
 def test_no_force_is_left(relaxed: Any) -> None:
     duplex = relaxed.duplex
     energy, force = ReferenceForces(duplex.system)(duplex.positions_nm)
-    tolerance = duplex.spec.environment.relaxation.force_tolerance_kJ_per_mol_nm
+    tolerance = duplex.spec.environment.to_minimum.force_tolerance_kJ_per_mol_nm
     rms = float(np.sqrt(np.mean(force**2)))
     assert rms <= tolerance
     # The same positions evaluated again: round-off of forces of 1e4 that cancel.

@@ -37,6 +37,9 @@ def contradictions(
     frozen: Iterable[int] = (),
     loaded: Iterable[int] = (),
     heavier: Iterable[int] = (),
+    water: bool = False,
+    temperature_K: float | None = None,
+    relaxation: bool = False,
 ) -> list[Contradiction]:
     """Return every pair of effects that contradict each other; none for a sound scene.
 
@@ -48,7 +51,38 @@ def contradictions(
     ends = f"frozen base pairs {_listed(stuck)}"
     pushed, burdened = (sorted(frozenset(chosen) & {*stuck}) for chosen in (loaded, heavier))
     condensed = f"counterion_fraction {counterion_fraction:g}"
+    cold = temperature_K == 0
     table = (
+        (
+            cold and (explicit or solvent == "GBn2"),
+            f"solvent {solvent}",
+            "temperature_K 0",
+            "no minimum of it can be found to the tolerance",
+        ),
+        (
+            cold and constraints != "none",
+            f"constraints {constraints}",
+            "temperature_K 0",
+            "the minimum and its normal modes are those of free bonds",
+        ),
+        (
+            cold and thermostat,
+            "equilibration",
+            "temperature_K 0",
+            "there scenes start from the relaxed minimum",
+        ),
+        (
+            bool(temperature_K) and relaxation,
+            "relaxation",
+            f"temperature_K {temperature_K or 0:g}",
+            "there scenes start from equilibrated snapshots",
+        ),
+        (
+            water and not explicit,
+            "water",
+            f"solvent {solvent}",
+            "there is no box of water",
+        ),
         (
             counterion_fraction > 0 and explicit,
             condensed,

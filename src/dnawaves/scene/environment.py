@@ -6,12 +6,15 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, NonNegativeInt, PositiveFloat, PositiveInt, model_validator
 
+from dnawaves.errors import InputError
 from dnawaves.scene.contradictions import contradictions
 from dnawaves.scene.model import Model
 
-# What is left out of an environment, without solvent and with implicit solvent.
+EXPLICIT = ("OPC", "TIP3P")
+# What is left out of an environment, without solvent, in implicit and in explicit solvent.
 IN_VACUUM = {"counterion_fraction": 1.0, "cutoff_nm": 0.9, "switch_nm": 0.8}
 IN_IMPLICIT_SOLVENT = {"counterion_fraction": 0.0, "cutoff_nm": None, "switch_nm": None}
+IN_WATER = {"counterion_fraction": 0.0, "cutoff_nm": 0.9, "switch_nm": 0.8}
 
 
 class Start(Model):
@@ -61,19 +64,64 @@ class Relaxation(Model):
     )
 
 
+class Water(Model):
+    """The box of explicit water around the duplex."""
+
+    padding_nm: Annotated[float, Field(ge=0.3, le=5)] = Field(
+        1.0, description="least distance from the duplex to the faces of the box"
+    )
+    cation: Literal["Na+", "K+"] = Field("Na+", description="neutralises the duplex; with salt too")
+    seed: NonNegativeInt = Field(1, description="seed of the places of the ions")
+
+
+class Equilibration(Model):
+    """The way from the built duplex to the snapshots that thermal scenes start from."""
+
+    duration_ps: Annotated[float, Field(gt=0, le=1e6)] = Field(
+        20.0, description="length before the first snapshot, ends free, with a thermostat"
+    )
+    timestep_fs: Annotated[float, Field(gt=0, le=4)] = Field(2.0, description="timestep")
+    friction_per_ps: Annotated[float, Field(gt=0, le=100)] = Field(
+        1.0, description="friction of the thermostat"
+    )
+    pressure_bar: Annotated[float, Field(gt=0, le=1000)] | None = Field(
+        None, description="pressure of a barostat before the first snapshot; left out: none"
+    )
+    snapshots: Annotated[int, Field(ge=1, le=1000)] = Field(4, description="number of snapshots")
+    spacing_ps: Annotated[float, Field(gt=0, le=1e5)] = Field(
+        2.0, description="time between snapshots"
+    )
+    seed: NonNegativeInt = Field(1, description="seed of the velocities and the noise")
+
+
 class Environment(Model):
     """What surrounds the duplex and by which forces its atoms act on each other."""
 
     force_field: Literal["OL21", "OL15", "bsc1"] = Field(
         "OL21", description="Amber DNA force field"
     )
-    # Not GBn2: its neck term jumps where it is cut off, so that no minimum can be found to the
-    # tolerance and differences of forces across the jump are no Hessian.
-    solvent: Literal["none", "OBC2"] = Field(
-        "none", description="none, or an implicit solvent, with full charges and without cutoff"
+    temperature_K: Annotated[float, Field(ge=0, le=500)] = Field(
+        0.0,
+        description="0: scenes start from the relaxed minimum; above: from equilibrated snapshots",
+    )
+    # Not GBn2 at T = 0: its neck term jumps where it is cut off, so that no minimum can be found to
+    # the tolerance and differences of forces across the jump are no Hessian.
+    solvent: Literal["none", "OBC2", "GBn2", "OPC", "TIP3P"] = Field(
+        "none",
+        description="none, an implicit solvent (OBC2, GBn2: full charges, no cutoff) or explicit "
+        "water (OPC, TIP3P); GBn2 and explicit water only above 0 K",
     )
     salt_M: Annotated[float, Field(ge=0, le=5)] = Field(
-        0.0, description="1:1 salt of the implicit solvent, which screens as at 300 K"
+        0.0,
+        description="1:1 salt: of an implicit solvent, which screens as at 300 K, or as ions "
+        "besides those that neutralise",
+    )
+    water: Water | None = Field(None, description="explicit water only; left out: its defaults")
+    constraints: Literal["none", "hbonds"] = Field(
+        "none", description="hbonds: rigid bonds to hydrogen; only above 0 K"
+    )
+    hydrogen_mass_Da: Annotated[float, Field(gt=1, le=4)] | None = Field(
+        None, description="mass of the duplex's hydrogens, taken from their heavy atoms"
     )
     surface_area: bool = Field(
         False, description="also the implicit solvent's nonpolar term, by surface area"
@@ -93,7 +141,12 @@ class Environment(Model):
         description="where the Lennard-Jones potential starts to be switched off; left out: 0.8 "
         "without solvent",
     )
-    relaxation: Relaxation = Relaxation()
+    relaxation: Relaxation | None = Field(
+        None, description="at 0 K only; left out: the defaults of its keys"
+    )
+    equilibration: Equilibration | None = Field(
+        None, description="above 0 K only; left out: the defaults of its keys"
+    )
 
     @model_validator(mode="before")
     @classmethod
@@ -101,7 +154,17 @@ class Environment(Model):
         """Put in what is left out, so that an environment compares by what it means."""
         if not isinstance(given, dict):
             return given
-        defaults = IN_VACUUM if given.get("solvent", "none") == "none" else IN_IMPLICIT_SOLVENT
+        solvent = given.get("solvent", "none")
+        defaults: dict[str, Any] = dict(
+            IN_VACUUM
+            if solvent == "none"
+            else IN_WATER
+            if solvent in EXPLICIT
+            else IN_IMPLICIT_SOLVENT
+        )
+        if solvent in EXPLICIT:
+            defaults["water"] = {}
+        defaults["equilibration" if given.get("temperature_K") else "relaxation"] = {}
         left_out = {name: its for name, its in defaults.items() if given.get(name) is None}
         return {**given, **left_out}
 
@@ -114,6 +177,12 @@ class Environment(Model):
             surface_area=self.surface_area,
             cutoff_nm=self.cutoff_nm,
             switch_nm=self.switch_nm,
+            water=self.water is not None,
+            barostat=bool(self.equilibration and self.equilibration.pressure_bar),
+            thermostat=self.equilibration is not None,
+            constraints=self.constraints,
+            temperature_K=self.temperature_K,
+            relaxation=self.relaxation is not None,
         )
         if found:
             raise ValueError("; ".join(map(str, found)))
@@ -122,3 +191,17 @@ class Environment(Model):
                 f"switch_nm must be below cutoff_nm ({self.cutoff_nm:g}), found {self.switch_nm:g}"
             )
         return self
+
+    @property
+    def to_minimum(self) -> Relaxation:
+        """The way to the minimum; raises `InputError` where scenes do not start from one."""
+        if self.relaxation is None:
+            raise InputError(f"temperature_K {self.temperature_K:g}: found no minimum; allowed: 0")
+        return self.relaxation
+
+    @property
+    def to_snapshots(self) -> Equilibration:
+        """The way to the snapshots; raises `InputError` where scenes do not start from them."""
+        if self.equilibration is None:
+            raise InputError("temperature_K 0: found no equilibration; allowed: above 0")
+        return self.equilibration

@@ -136,6 +136,8 @@ def _resolve(
         observation=scene.observation,
         method=scene.method,
         masses=scene.masses,
+        thermostat=scene.thermostat,
+        replicas=scene.replicas,
     )
 
 
@@ -143,7 +145,7 @@ def _check_pairs_of_effects(
     scene: Scene, environment: Environment, pairs: int, refuse: Any
 ) -> None:
     heavier = [added.pair for added in scene.masses]
-    start = environment.relaxation.start
+    start = environment.relaxation.start if environment.relaxation else None
     for field, wanted in (
         ("masses.pair", max(heavier, default=1)),
         ("environment.relaxation.start.last", start.last if start else 1),

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, PositiveInt, model_validator
+from pydantic import Field, NonNegativeInt, PositiveInt, model_validator
 
-from dnawaves.scene.environment import Environment
+from dnawaves.scene.environment import EXPLICIT, Environment
 from dnawaves.scene.excitations import (
     Excitation,
     Kick,
@@ -25,15 +25,30 @@ SMALLEST_PULSE_TIMESTEPS = 10
 class Ends(Model):
     """How the two ends are held: a held base pair's atoms do not move."""
 
-    first: Literal["free", "held"] = Field("free", description="the end at base pair 1")
-    last: Literal["free", "held", "guided"] = Field(
+    first: Literal["free", "held", "restrained"] = Field(
+        "free", description="the end at base pair 1; restrained: held by springs"
+    )
+    last: Literal["free", "held", "restrained", "guided"] = Field(
         "held",
         description="the end at base pair N; guided: it moves as a rigid body, only along or "
         "about the axis, as a static load pushes it",
     )
     pairs: Annotated[int, Field(ge=1, le=10)] = Field(
-        1, description="number of base pairs that are held at a held end"
+        1, description="number of base pairs that are held at a held or restrained end"
     )
+    stiffness_pN_per_nm: Annotated[float, Field(gt=0, le=1e7)] | None = Field(
+        None, description="stiffness of the springs on each base pair of a restrained end"
+    )
+
+    @model_validator(mode="after")
+    def _springs(self) -> Self:
+        restrained = "restrained" in (self.first, self.last)
+        if restrained != (self.stiffness_pN_per_nm is not None):
+            raise ValueError(
+                "stiffness_pN_per_nm goes with an end that is 'restrained', found "
+                f"{self.stiffness_pN_per_nm} with '{self.first}' and '{self.last}'"
+            )
+        return self
 
 
 class Observation(Model):
@@ -64,6 +79,17 @@ class AddedMass(Model):
     mass_Da: Annotated[float, Field(gt=0, le=1e7)] = Field(description="mass added to the pair")
 
 
+class Thermostat(Model):
+    """Friction and noise that keep the environment's temperature while the scene runs."""
+
+    friction_per_ps: Annotated[float, Field(gt=0, le=100)] = Field(
+        description="rate at which momentum decays; it damps the wave too"
+    )
+    seed: NonNegativeInt = Field(
+        1, description="seed of the noise; both signs of a run see the same noise"
+    )
+
+
 class Scene(Model):
     """One experiment: a duplex, its environment, its ends, what excites it, what is observed."""
 
@@ -79,6 +105,12 @@ class Scene(Model):
     )
     masses: tuple[AddedMass, ...] = Field(
         (), description="base pairs that carry added mass: another motion from the same minimum"
+    )
+    thermostat: Thermostat | None = Field(
+        None, description="above 0 K only; left out: the energy is conserved (NVE)"
+    )
+    replicas: Annotated[int, Field(ge=1, le=1000)] = Field(
+        1, description="above 0 K only: number of equilibrated snapshots that the scene runs from"
     )
 
     @model_validator(mode="after")
@@ -178,6 +210,16 @@ class SystemSpec(Model):
     environment: Environment
 
     @property
+    def thermal(self) -> bool:
+        """Whether scenes start from equilibrated snapshots instead of a minimum."""
+        return self.environment.temperature_K > 0
+
+    @property
+    def explicit(self) -> bool:
+        """Whether there is a box of explicit water."""
+        return self.environment.solvent in EXPLICIT
+
+    @property
     def name(self) -> str:
         """Name of the system's folder."""
         return f"{self.duplex.name}-{self.environment_name}"
@@ -193,10 +235,20 @@ class SceneSpec(Model):
     observation: Observation
     method: Method = "simulated"
     masses: tuple[AddedMass, ...] = ()
+    thermostat: Thermostat | None = None
+    replicas: int = 1
 
     @property
     def members(self) -> tuple[str, ...]:
-        """Names of the scene's runs."""
+        """Names of the scene's runs; above 0 K each ends with the number of its snapshot."""
+        if not self.system.thermal:
+            return self._variants
+        variants = () if self._variants == ("run",) else self._variants
+        snapshots = [f"r{number}" for number in range(1, self.replicas + 1)]
+        return tuple(f"{variant}{one}" for variant in variants or ("",) for one in snapshots)
+
+    @property
+    def _variants(self) -> tuple[str, ...]:
         excitation = self.excitation
         if isinstance(excitation, Kick | StandingWave | Static):
             return tuple(f"x{scale:g}" for scale in excitation.scales)

@@ -50,7 +50,7 @@ def relax(
     SimulationError
         When no minimum without negative modes is found.
     """
-    relaxation = built.spec.environment.relaxation
+    relaxation = built.spec.environment.to_minimum
     positions = anneal(started(built), relaxation, report)
     forces = ReferenceForces(built.system)
     differentiate = Hessian(built.system, built.spec.environment.cutoff_nm, threads)
@@ -97,7 +97,7 @@ def relax(
 
 def started(built: SimulatedDuplex) -> SimulatedDuplex:
     """Return the duplex bent or overtwisted as its environment says, or as built."""
-    start = built.spec.environment.relaxation.start
+    start = built.spec.environment.to_minimum.start
     if start is None:
         return built
     first, second, axis = built.frame.directions

@@ -57,7 +57,7 @@ def relax_under_load(
                 _loaded(end, forces, sign * load),
                 lambda _: reduced.copy(),
                 start,
-                scene.system.environment.relaxation.force_tolerance_kJ_per_mol_nm,
+                scene.system.environment.to_minimum.force_tolerance_kJ_per_mol_nm,
                 lowest_energy=unloaded - BASIN_GAIN * 0.5 * float(push @ linear),
                 report=report,
             )
