@@ -14,7 +14,10 @@ SCENE = {"duplex": "mixed12", "environment": "condensed"}
 BOTH_HELD = {"first": "held", "last": "held"}
 CONFIGURATION: dict[str, Any] = {
     "structures": "duplexes.yaml",
-    "environments": {"condensed": {"relaxation": {"anneal_ps": 2}}},
+    "environments": {
+        "condensed": {"relaxation": {"anneal_ps": 2}},
+        "warm": {"temperature_K": 300, "solvent": "OBC2", "equilibration": {"snapshots": 3}},
+    },
     "scenes": {
         "kicked": {
             **SCENE,
@@ -54,6 +57,36 @@ CONFIGURATION: dict[str, Any] = {
                 "force_pN": 20,
                 "sweep": {"scenes": ["kicked"], "points": 3},
             },
+        },
+        "by_mode": {
+            **SCENE,
+            "ends": BOTH_HELD,
+            "excitation": {
+                "kind": "periodic",
+                "wave": "bend",
+                "torque_pN_nm": 20,
+                "modes": [1, 2, 3],
+                "rod": "paper",
+                "periods": 4,
+                "ramp_periods": 1,
+            },
+        },
+        "ranged": {
+            **SCENE,
+            "ends": BOTH_HELD,
+            "excitation": {
+                "kind": "periodic",
+                "wave": "shear",
+                "force_pN": 20,
+                "range_GHz": {"from": 50, "to": 80, "points": 4},
+                "first_pair": 5,
+            },
+        },
+        "warm": {
+            **SCENE,
+            "environment": "warm",
+            "replicas": 2,
+            "excitation": {"kind": "kick", "wave": "extension", "velocity_A_per_ps": 2},
         },
         "loaded": {
             **SCENE,

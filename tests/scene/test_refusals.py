@@ -10,7 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dnawaves.errors import InputError
-from dnawaves.scene.load import load_scenes, load_sequences
+from dnawaves.scene.duplexes import load_duplexes
+from dnawaves.scene.load import load_scenes
 
 
 def refusal(path: Path) -> str:
@@ -20,14 +21,14 @@ def refusal(path: Path) -> str:
 
 
 def test_the_configuration_that_the_tests_spoil_is_valid(write_configuration: Any) -> None:
-    assert len(load_scenes(write_configuration())) == 8
+    assert len(load_scenes(write_configuration())) == 11
 
 
 @pytest.mark.parametrize(
     ("place", "value", "found", "allowed"),
     [
         ("kicked.duplex", "mixed99", "'mixed99'", "mixed12, mixed8"),
-        ("kicked.environment", "water", "'water'", "condensed"),
+        ("kicked.environment", "water", "'water'", "condensed, warm"),
         ("kicked.ends.first", "glued", "'glued'", "'free', 'held' or 'restrained'"),
         ("kicked.ends.pairs", 0, "0", "greater than or equal to 1"),
         ("kicked.ends.pairs", 11, "11", "less than or equal to 10"),
@@ -59,6 +60,17 @@ def test_the_configuration_that_the_tests_spoil_is_valid(write_configuration: An
         ("quiet.method", "harmonic", "kind 'none'", "without excitation nothing moves"),
         ("exact.observation.helical", True, "true", "method 'harmonic' knows base pairs"),
         ("driven.excitation.ramp_periods", -1, "-1", "greater than or equal to 0"),
+        ("driven.excitation.frequencies_GHz", [50, 50], "[50.0, 50.0]", "differ from each other"),
+        ("kicked.excitation.first_pair", 11, "11", "1 to 10, from which on 3 of the 12 base pairs"),
+        ("kicked.excitation.first_pair", 0, "0", "greater than 0"),
+        ("by_mode.excitation.modes", [1, 11], "[1, 11]", "1 to 10, the number of free base pairs"),
+        ("by_mode.excitation.modes", [0], "0", "greater than or equal to 1"),
+        ("by_mode.excitation.modes", [], "[]", "at least 1 item"),
+        ("by_mode.excitation.rod", "textbook", "'textbook'", "'measured' or 'paper'"),
+        ("by_mode.excitation.periods", 0, "0", "greater than 0"),
+        ("ranged.excitation.range_GHz.points", 1, "1", "greater than or equal to 2"),
+        ("ranged.excitation.range_GHz.from", -1, "-1", "greater than 0"),
+        ("warm.replicas", 0, "0", "greater than or equal to 1"),
         ("kicked.masses", [{"pair": 13, "mass_Da": 9}], "13", "1 to 12, the number of base pairs"),
     ],
 )
@@ -76,6 +88,28 @@ def test_a_bad_value(
     assert "\n" not in message, "one mistake, one line"
 
 
+def test_a_seed_that_openmm_cannot_take(write_configuration: Any) -> None:
+    message = refusal(write_configuration("environments.condensed.relaxation.seed", 2**31))
+    assert "relaxation.seed: found 2147483648; allowed: " in message
+
+
+def test_a_drive_that_never_comes_to_its_strength(write_configuration: Any) -> None:
+    message = refusal(write_configuration("scenes.by_mode.excitation.ramp_periods", 4))
+    assert "scene 'by_mode': excitation: ramp_periods must be below periods (4)" in message
+    assert "found 4" in message
+
+
+def test_a_record_that_ends_before_its_pulse(write_configuration: Any) -> None:
+    """A pulse is at its height five widths after the start."""
+    excitation = {"kind": "pulse", "wave": "twist", "torque_pN_nm": 20, "width_fs": 500}
+    scene = {"duplex": "mixed12", "environment": "condensed", "excitation": excitation}
+    short = write_configuration("scenes.pulsed", {**scene, "observation": {"duration_ps": 2.5}})
+    message = refusal(short)
+    assert "scene 'pulsed': observation.duration_ps must be above 2.5" in message
+    assert "width_fs 500" in message
+    load_scenes(write_configuration("scenes.pulsed", {**scene, "observation": {"duration_ps": 3}}))
+
+
 def test_an_amplitude_of_the_wrong_kind(write_configuration: Any) -> None:
     message = refusal(write_configuration("scenes.kicked.excitation.wave", "twist"))
     assert "scene 'kicked': excitation" in message
@@ -90,7 +124,89 @@ def test_a_drive_has_one_source_of_frequencies(
     place = "swept.excitation.frequencies_GHz" if frequencies else "swept.excitation.sweep"
     message = refusal(write_configuration(f"scenes.{place}", frequencies or missing))
     assert "scene 'swept': excitation" in message
-    assert "either frequencies_GHz or sweep" in message
+    assert "either frequencies_GHz, range_GHz, sweep or modes" in message
+    assert f"found {'frequencies_GHz and sweep' if frequencies else 'none'}" in message
+
+
+def test_a_range_that_does_not_rise(write_configuration: Any) -> None:
+    message = refusal(write_configuration("scenes.ranged.excitation.range_GHz.to", 40))
+    assert "scene 'ranged': excitation.range_GHz: to must be above from (50), found 40" in message
+
+
+def test_a_range_past_the_nyquist_frequency(write_configuration: Any) -> None:
+    # Frames 6.25 ps apart resolve frequencies below 80 GHz, the last of the range.
+    message = refusal(write_configuration("scenes.ranged.observation", {"interval_fs": 6250.0}))
+    assert "below the recording's Nyquist frequency, 80 GHz" in message
+    assert "found 80" in message
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "said"),
+    [
+        (
+            "by_mode.excitation.rod",
+            "measured",
+            "rod 'measured' contradicts wave 'bend': the duplex's first estimate is of extension",
+        ),
+        ("by_mode.excitation.rod", None, "modes and rod go together"),
+        ("ranged.excitation.rod", "paper", "found modes None and rod 'paper'"),
+        (
+            "swept.excitation",
+            {
+                "kind": "periodic",
+                "wave": "shear",
+                "force_pN": 20,
+                "sweep": {"scenes": ["kicked"]},
+            },
+            "sweep contradicts wave 'shear': it spans the modes of waves with one speed",
+        ),
+    ],
+)
+def test_a_mode_is_that_of_a_rod_that_is_known(
+    write_configuration: Any, place: str, value: object, said: str
+) -> None:
+    message = refusal(write_configuration(f"scenes.{place}", value))
+    assert message.startswith(f"{write_configuration()}: scene '{place.split('.')[0]}': excitation")
+    assert said in message
+    assert "\n" not in message
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "first", "second"),
+    [
+        # Base pair 12 is held.
+        (
+            "kicked.excitation.first_pair",
+            10,
+            "an excitation of base pairs 12",
+            "frozen base pairs 12",
+        ),
+        (
+            "by_mode.excitation.first_pair",
+            1,
+            "excitation of base pairs 1",
+            "frozen base pairs 1, 12",
+        ),
+        (
+            "by_mode.observation",
+            {"duration_ps": 9},
+            "excitation.periods 4",
+            "observation.duration_ps 9",
+        ),
+        ("kicked.replicas", 2, "replicas 2", "temperature_K 0"),
+        ("kicked.thermostat", {"friction_per_ps": 1}, "thermostat", "temperature_K 0"),
+        ("warm.replicas", 4, "replicas 4", "equilibration.snapshots 3"),
+        ("warm.method", "harmonic", "method harmonic", "temperature_K 300"),
+        ("loaded.environment", "warm", "kind static", "temperature_K 300"),
+    ],
+)
+def test_effects_of_a_scene_that_contradict_each_other_are_both_named(
+    write_configuration: Any, place: str, value: object, first: str, second: str
+) -> None:
+    message = refusal(write_configuration(f"scenes.{place}", value))
+    assert message.startswith(f"{write_configuration()}: scene '{place.split('.')[0]}': ")
+    assert f"{first} contradicts {second}: " in message
+    assert message.count("contradicts") == 1
 
 
 @pytest.mark.parametrize("place", ["duplex", "environment", "excitation", "excitation.kind"])
@@ -107,6 +223,28 @@ def test_an_environment_is_refused_by_its_own_name(write_configuration: Any) -> 
 
 
 IMPLICIT = {"solvent": "OBC2"}
+WARM = {"solvent": "OBC2", "temperature_K": 300}
+
+
+def test_constraints_and_frozen_ends_are_both_named(write_configuration: Any) -> None:
+    message = refusal(write_configuration("environments.warm.constraints", "hbonds"))
+    assert "scene 'warm': constraints hbonds contradicts frozen base pairs 12: " in message
+
+
+@pytest.mark.parametrize(
+    "ends",
+    [
+        {"first": "restrained"},
+        {"stiffness_pN_per_nm": 100},
+    ],
+)
+def test_springs_and_their_stiffness_go_together(
+    write_configuration: Any, ends: dict[str, Any]
+) -> None:
+    message = refusal(write_configuration("scenes.warm.ends", ends))
+    assert (
+        "scene 'warm': ends: stiffness_pN_per_nm goes with an end that is 'restrained'" in message
+    )
 
 
 @pytest.mark.parametrize(
@@ -117,6 +255,23 @@ IMPLICIT = {"solvent": "OBC2"}
         ({**IMPLICIT, "switch_nm": 0.8}, "switch_nm 0.8", "solvent OBC2"),
         ({"salt_M": 0.1}, "salt_M 0.1", "solvent none"),
         ({"surface_area": True}, "surface_area", "solvent none"),
+        ({**WARM, "solvent": "TIP3P", "surface_area": True}, "surface_area", "solvent TIP3P"),
+        ({"solvent": "GBn2"}, "solvent GBn2", "temperature_K 0"),
+        ({"solvent": "OPC"}, "solvent OPC", "temperature_K 0"),
+        ({"constraints": "hbonds"}, "constraints hbonds", "temperature_K 0"),
+        ({"equilibration": {}}, "equilibration", "temperature_K 0"),
+        ({"water": {}}, "water", "solvent none"),
+        ({**WARM, "relaxation": {}}, "relaxation", "temperature_K 300"),
+        (
+            {**WARM, "equilibration": {"pressure_bar": 1}},
+            "barostat",
+            "solvent OBC2",
+        ),
+        (
+            {**WARM, "solvent": "TIP3P", "counterion_fraction": 1},
+            "counterion_fraction 1",
+            "solvent TIP3P",
+        ),
     ],
 )
 def test_effects_of_an_environment_that_contradict_each_other_are_both_named(
@@ -178,6 +333,8 @@ KNOWN_KEYS = {
     "scenes.kicked.excitation": ["wave", "velocity_A_per_ps", "scales"],
     "scenes.kicked.observation": ["timestep_fs", "duration_ps", "crossings", "helical"],
     "scenes.swept.excitation.sweep": ["scenes", "points"],
+    "scenes.ranged.excitation.range_GHz": ["from", "to", "points"],
+    "scenes.by_mode.excitation": ["modes", "rod", "periods", "ramp_periods", "first_pair"],
 }
 
 
@@ -239,7 +396,12 @@ def test_a_missing_structures_file_is_named_with_the_field(write_configuration: 
         ("short: ACG", "duplex 'short': sequence: found 3 base pairs in 'ACG'; allowed: 4 or more"),
         ("rna: ACGU", "duplex 'rna': sequence: found 'U' at position 4 of 'ACGU'; allowed: "),
         ("number: 12", "duplex 'number': found 12; allowed: "),
-        ("- ACGT", "expected a mapping of names to sequences"),
+        ("- ACGT", "found ['ACGT']; allowed: a mapping of names to sequences"),
+        ("up/down: ACGT", "duplex 'up/down': found 'up/down'; allowed: a letter first"),
+        ("mine: {file: nowhere.pdb}", "duplex 'mine': file: found 'nowhere.pdb'; allowed: a PDB"),
+        ("mine: {path: x.pdb}", "duplex 'mine': found {'path': 'x.pdb'}; allowed: a sequence"),
+        ("mine: {file: 3}", "duplex 'mine': found {'file': 3}; allowed: a sequence"),
+        ("mine: {file: duplexes.yaml}", "duplexes.yaml: file: found '.yaml'; allowed: .pdb"),
         ("twice: ACGT\ntwice: ACCT", "key 'twice' is given twice"),
     ],
 )
@@ -247,7 +409,7 @@ def test_a_bad_sequence_is_named(tmp_path: Path, text: str, said: str) -> None:
     path = tmp_path / "duplexes.yaml"
     path.write_text(text)
     with pytest.raises(InputError) as caught:
-        load_sequences(path)
+        load_duplexes(path)
     assert str(caught.value).startswith(f"{path}: ")
     assert said in str(caught.value)
 

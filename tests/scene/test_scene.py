@@ -8,13 +8,16 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
+from dnawaves.duplex.build import build_duplex, write_pdb
 from dnawaves.errors import InputError
 from dnawaves.files import read_json, write_json
+from dnawaves.scene.duplexes import load_duplexes
 from dnawaves.scene.freeze import freeze, freeze_scene, freeze_system
 from dnawaves.scene.load import load_scenes, read_scene, read_system
-from dnawaves.scene.models import Ends, Environment
+from dnawaves.scene.models import Ends, Environment, NamedDuplex
 from dnawaves.scene.pairs import held_counts, held_pairs
 from dnawaves.scene.table import scene_table
+from dnawaves.system.forces import load_force_field
 
 
 def test_names_are_resolved(write_configuration: Any) -> None:
@@ -31,6 +34,9 @@ def test_names_are_resolved(write_configuration: Any) -> None:
         ("standing", ("x1", "x0.5"), ("plus", "minus"), ()),
         ("driven", ("f1", "f2"), ("plus", "minus"), ()),
         ("swept", ("f1", "f2", "f3"), ("plus", "minus"), ("kicked",)),
+        ("by_mode", ("f1", "f2", "f3"), ("plus", "minus"), ()),
+        ("ranged", ("f1", "f2", "f3", "f4"), ("plus", "minus"), ()),
+        ("warm", ("x1r1", "x1r2"), ("plus", "minus"), ()),
         ("loaded", ("x1",), ("plus", "minus"), ()),
         ("exact", ("x1",), ("plus", "minus"), ()),
         ("quiet", ("run",), ("plus",), ()),
@@ -59,6 +65,15 @@ def test_runs_of_a_scene(
 def test_held_base_pairs(ends: Ends, counts: tuple[int, int], held: list[int]) -> None:
     assert held_counts(ends) == counts
     assert held_pairs(ends, 12) == held
+
+
+@pytest.mark.parametrize("kind", ["standing", "driven"])
+def test_springs_may_hold_what_a_standing_wave_needs_held(
+    write_configuration: Any, kind: str
+) -> None:
+    springs = {"first": "restrained", "last": "restrained", "stiffness_pN_per_nm": 4e5}
+    scene = load_scenes(write_configuration(f"scenes.{kind}.ends", springs))[kind]
+    assert held_pairs(scene.ends, 12) == []
 
 
 def test_what_is_left_out_of_an_environment_follows_from_its_solvent() -> None:
@@ -92,9 +107,13 @@ def test_a_frozen_scene_and_system_read_back_as_they_were(
 
 def test_freezing_an_unknown_name_lists_the_known(write_configuration: Any, tmp_path: Path) -> None:
     path = write_configuration()
-    with pytest.raises(InputError, match="scene: found 'kick'; allowed: driven, exact, kicked"):
+    with pytest.raises(
+        InputError, match="scene: found 'kick'; allowed: by_mode, driven, exact, kicked"
+    ):
         freeze(path, "kick", None, tmp_path / "scene.json")
-    with pytest.raises(InputError, match="system: found 'x'; allowed: mixed12-condensed"):
+    with pytest.raises(
+        InputError, match="system: found 'x'; allowed: mixed12-condensed, mixed12-warm"
+    ):
         freeze(path, None, "x", tmp_path / "system.json")
     with pytest.raises(InputError, match="either --scene or --system"):
         freeze(path, None, None, tmp_path / "neither.json")
@@ -143,3 +162,43 @@ def test_the_table_has_a_line_for_each_scene(write_configuration: Any) -> None:
         "x1",
         "x0.5",
     ]
+
+
+def test_a_part_that_is_used_again_may_be_changed_where_it_is_used(
+    write_configuration: Any,
+) -> None:
+    path = write_configuration()
+    path.write_text(
+        """
+structures: duplexes.yaml
+environments: {condensed: {}}
+scenes:
+  one: &one
+    duplex: mixed12
+    environment: condensed
+    ends: &held {first: held, last: held}
+    excitation: &kick {kind: kick, wave: extension, velocity_A_per_ps: 0.2}
+  other: {<<: *one, duplex: mixed8}
+  third: {<<: *one, ends: {<<: *held, pairs: 2}, excitation: {<<: *kick, pairs: 4}}
+"""
+    )
+    scenes = load_scenes(path)
+    assert scenes["other"].excitation == scenes["one"].excitation
+    assert [its.system.duplex.name for its in scenes.values()] == ["mixed12", "mixed8", "mixed12"]
+    assert scenes["third"].ends == Ends(first="held", last="held", pairs=2)
+    assert scenes["third"].excitation.pairs == 4  # type: ignore[union-attr]
+    assert scenes["one"].excitation.pairs == 3  # type: ignore[union-attr]
+
+
+def test_a_users_own_structure_is_a_duplex(tmp_path: Path) -> None:
+    topology, positions = build_duplex("CGATCG", load_force_field(Environment()))
+    write_pdb(topology, positions, tmp_path / "mine.pdb")
+    (tmp_path / "duplexes.yaml").write_text("mine: {file: mine.pdb}\nother: CGCG\n")
+    mine, other = load_duplexes(tmp_path / "duplexes.yaml").values()
+    assert (mine.name, mine.sequence) == ("mine", "CGATCG")
+    assert mine.file == str(tmp_path / "mine.pdb")
+    assert other == NamedDuplex(name="other", sequence="CGCG")
+    # Another content is another duplex, whose results must not stand in for the first's.
+    shifted = positions + 0.01
+    write_pdb(topology, shifted, tmp_path / "mine.pdb")
+    assert load_duplexes(tmp_path / "duplexes.yaml")["mine"].digest != mine.digest

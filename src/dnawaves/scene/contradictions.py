@@ -37,45 +37,88 @@ def contradictions(
     frozen: Iterable[int] = (),
     loaded: Iterable[int] = (),
     heavier: Iterable[int] = (),
+    excited: Iterable[int] = (),
     water: bool = False,
     temperature_K: float | None = None,
     relaxation: bool = False,
+    equilibration: bool = False,
+    harmonic: bool = False,
+    static: bool = False,
+    replicas: int = 1,
+    snapshots: int | None = None,
+    periods: float | None = None,
+    duration_ps: float | None = None,
 ) -> list[Contradiction]:
     """Return every pair of effects that contradict each other; none for a sound scene.
 
-    `conserves_energy` says that the scene measures at constant energy (NVE); `frozen`, `loaded`
-    and `heavier` are the base pairs that cannot move, bear a static load, carry added mass.
+    `conserves_energy` says that the scene measures at constant energy (NVE); `frozen`, `loaded`,
+    `heavier` and `excited` are the base pairs that cannot move, bear a static load, carry added
+    mass, are kicked or driven. A `temperature_K` of None is not known yet.
     """
     explicit, implicit = solvent in ("OPC", "TIP3P"), solvent in ("OBC2", "GBn2")
     stuck = sorted(frozenset(frozen))
     ends = f"frozen base pairs {_listed(stuck)}"
-    pushed, burdened = (sorted(frozenset(chosen) & {*stuck}) for chosen in (loaded, heavier))
+    heavy = sorted(frozenset(heavier))
+    pushed, burdened, kicked = (
+        sorted(frozenset(chosen) & {*stuck}) for chosen in (loaded, heavy, excited)
+    )
     condensed = f"counterion_fraction {counterion_fraction:g}"
-    cold = temperature_K == 0
+    cold, warm = temperature_K == 0, bool(temperature_K)
+    heat = f"temperature_K {temperature_K or 0:g}"
     table = (
         (
             cold and (explicit or solvent == "GBn2"),
             f"solvent {solvent}",
-            "temperature_K 0",
+            heat,
             "no minimum of it can be found to the tolerance",
         ),
         (
             cold and constraints != "none",
             f"constraints {constraints}",
-            "temperature_K 0",
+            heat,
             "the minimum and its normal modes are those of free bonds",
         ),
         (
-            cold and thermostat,
+            cold and equilibration,
             "equilibration",
-            "temperature_K 0",
+            heat,
             "there scenes start from the relaxed minimum",
         ),
         (
-            bool(temperature_K) and relaxation,
+            cold and thermostat,
+            "thermostat",
+            heat,
+            "there both signs conserve the energy that is put in",
+        ),
+        (
+            cold and replicas > 1,
+            f"replicas {replicas}",
+            heat,
+            "there is one minimum to start from",
+        ),
+        (
+            warm and relaxation,
             "relaxation",
-            f"temperature_K {temperature_K or 0:g}",
+            heat,
             "there scenes start from equilibrated snapshots",
+        ),
+        (
+            warm and harmonic,
+            "method harmonic",
+            heat,
+            "normal modes are those of a minimum",
+        ),
+        (
+            warm and static,
+            "kind static",
+            heat,
+            "the answer to a load is a minimum under it",
+        ),
+        (
+            snapshots is not None and replicas > snapshots,
+            f"replicas {replicas}",
+            f"equilibration.snapshots {snapshots}",
+            "each replica starts from a snapshot of its own",
         ),
         (
             water and not explicit,
@@ -102,10 +145,10 @@ def contradictions(
             "there is nothing that the salt is dissolved in",
         ),
         (
-            surface_area and solvent == "none",
+            surface_area and not implicit,
             "surface_area",
-            "solvent none",
-            "the surface is that towards the solvent",
+            f"solvent {solvent}",
+            "the term stands for the surface towards an implicit solvent",
         ),
         *(
             (
@@ -123,7 +166,7 @@ def contradictions(
             "there is no box whose volume could change",
         ),
         (
-            barostat and not thermostat,
+            barostat and not (thermostat or equilibration),
             "barostat",
             "no thermostat",
             "its moves are drawn at a temperature that nothing keeps",
@@ -163,6 +206,18 @@ def contradictions(
             f"added mass on base pairs {_listed(burdened)}",
             ends,
             "what cannot move does not feel its mass",
+        ),
+        (
+            bool(kicked),
+            f"an excitation of base pairs {_listed(kicked)}",
+            ends,
+            "what cannot move cannot be kicked or driven",
+        ),
+        (
+            periods is not None and duration_ps is not None,
+            f"excitation.periods {periods or 0:g}",
+            f"observation.duration_ps {duration_ps or 0:g}",
+            "each of them is the length of the record",
         ),
     )
     return [Contradiction(first, second, why) for found, first, second, why in table if found]

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, NonNegativeInt, PositiveFloat, PositiveInt, model_validator
+from pydantic import Field, PositiveFloat, PositiveInt, model_validator
 
 from dnawaves.errors import InputError
 from dnawaves.scene.contradictions import contradictions
-from dnawaves.scene.model import Model
+from dnawaves.scene.model import Model, Seed
 
 EXPLICIT = ("OPC", "TIP3P")
 # What is left out of an environment, without solvent, in implicit and in explicit solvent.
@@ -55,7 +55,7 @@ class Relaxation(Model):
     anneal_ps: Annotated[float, Field(ge=0, le=10_000)] = Field(
         12.0, description="length of the anneal; another length or seed finds another structure"
     )
-    seed: NonNegativeInt = Field(1, description="seed of the anneal's velocities and noise")
+    seed: Seed = Field(1, description="seed of the anneal's velocities and noise")
     force_tolerance_kJ_per_mol_nm: PositiveFloat = Field(
         1e-4, description="root-mean-square force at which the structure counts as a minimum"
     )
@@ -71,7 +71,7 @@ class Water(Model):
         1.0, description="least distance from the duplex to the faces of the box"
     )
     cation: Literal["Na+", "K+"] = Field("Na+", description="neutralises the duplex; with salt too")
-    seed: NonNegativeInt = Field(1, description="seed of the places of the ions")
+    seed: Seed = Field(1, description="seed of the places of the ions")
 
 
 class Equilibration(Model):
@@ -85,13 +85,15 @@ class Equilibration(Model):
         1.0, description="friction of the thermostat"
     )
     pressure_bar: Annotated[float, Field(gt=0, le=1000)] | None = Field(
-        None, description="pressure of a barostat before the first snapshot; left out: none"
+        None,
+        description="pressure of a barostat in the first half of the time before the first "
+        "snapshot; left out: 1 in explicit water; null: none",
     )
     snapshots: Annotated[int, Field(ge=1, le=1000)] = Field(4, description="number of snapshots")
     spacing_ps: Annotated[float, Field(gt=0, le=1e5)] = Field(
         2.0, description="time between snapshots"
     )
-    seed: NonNegativeInt = Field(1, description="seed of the velocities and the noise")
+    seed: Seed = Field(1, description="seed of the velocities and the noise")
 
 
 class Environment(Model):
@@ -166,7 +168,11 @@ class Environment(Model):
             defaults["water"] = {}
         defaults["equilibration" if given.get("temperature_K") else "relaxation"] = {}
         left_out = {name: its for name, its in defaults.items() if given.get(name) is None}
-        return {**given, **left_out}
+        filled = {**given, **left_out}
+        if solvent in EXPLICIT and isinstance(filled.get("equilibration"), dict):
+            # Water is put in some percent too thin.
+            filled["equilibration"] = {"pressure_bar": 1.0, **filled["equilibration"]}
+        return filled
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -179,7 +185,7 @@ class Environment(Model):
             switch_nm=self.switch_nm,
             water=self.water is not None,
             barostat=bool(self.equilibration and self.equilibration.pressure_bar),
-            thermostat=self.equilibration is not None,
+            equilibration=self.equilibration is not None,
             constraints=self.constraints,
             temperature_K=self.temperature_K,
             relaxation=self.relaxation is not None,

@@ -7,18 +7,18 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NoReturn, TypeVar, get_args
 
-import yaml
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from dnawaves.errors import InputError
 from dnawaves.files import read_json
 from dnawaves.scene.contradictions import contradictions
+from dnawaves.scene.duplexes import load_duplexes
 from dnawaves.scene.environment import Environment
-from dnawaves.scene.excitations import Kick, Periodic, Pulse, StandingWave
+from dnawaves.scene.excitations import Kick, Periodic, Pulse, StandingWave, Static
 from dnawaves.scene.models import Configuration, NamedDuplex, Scene, SceneSpec, SystemSpec
-from dnawaves.scene.pairs import held_pairs
-from dnawaves.scene.sequence import check_sequence
+from dnawaves.scene.pairs import excited_pairs, fixed_counts, held_pairs
+from dnawaves.scene.yaml_file import read_yaml
 
 Spec = TypeVar("Spec", SceneSpec, SystemSpec)
 
@@ -31,40 +31,22 @@ def load_scenes(path: Path) -> dict[str, SceneSpec]:
     InputError
         Names the file, the scene and the field, what was found and what is allowed.
     """
-    raw = _read_yaml(path)
+    raw = read_yaml(path)
     try:
         configuration = Configuration.model_validate(raw)
     except ValidationError as error:
-        raise InputError("\n".join(_explain_one(path, one) for one in error.errors())) from None
+        raise InputError("\n".join(_explain_one(path, one) for one in _told(error))) from None
     structures = path.parent / configuration.structures
     if not structures.is_file():
         raise InputError(
             f"{path}: structures: found {configuration.structures!r}; allowed: a file of named "
             f"sequences, relative to this one (there is none at {structures})"
         )
-    sequences = load_sequences(structures)
+    duplexes = load_duplexes(structures)
     return {
-        name: _resolve(path, structures, configuration, sequences, name)
+        name: _resolve(path, structures, configuration, duplexes, name)
         for name in configuration.scenes
     }
-
-
-def load_sequences(path: Path) -> dict[str, str]:
-    """Return the sequences of a structures file by name; strand I from 5' to 3'."""
-    raw = _read_yaml(path)
-    if not isinstance(raw, Mapping) or not raw:
-        raise InputError(f"{path}: expected a mapping of names to sequences")
-    sequences: dict[str, str] = {}
-    for name, sequence in raw.items():
-        where = f"{path}: duplex '{name}'"
-        if not isinstance(sequence, str):
-            raise InputError(f"{where}: found {sequence!r}; allowed: a sequence, such as CGCG")
-        try:
-            check_sequence(sequence)
-        except InputError as error:
-            raise InputError(f"{where}: {error}") from None
-        sequences[str(name)] = sequence
-    return sequences
 
 
 def read_scene(path: Path) -> SceneSpec:
@@ -88,7 +70,7 @@ def _resolve(
     path: Path,
     structures: Path,
     configuration: Configuration,
-    sequences: Mapping[str, str],
+    duplexes: Mapping[str, NamedDuplex],
     name: str,
 ) -> SceneSpec:
     scene = configuration.scenes[name]
@@ -96,43 +78,27 @@ def _resolve(
     def refuse(field: str, found: object, allowed: str) -> NoReturn:
         raise InputError(f"{path}: scene '{name}': {field}: found {found!r}; allowed: {allowed}")
 
-    if scene.duplex not in sequences:
-        refuse("duplex", scene.duplex, f"{_listed(sequences)} (from {structures})")
+    if scene.duplex not in duplexes:
+        refuse("duplex", scene.duplex, f"{_listed(duplexes)} (from {structures})")
     if scene.environment not in configuration.environments:
         refuse("environment", scene.environment, _listed(configuration.environments))
-    sequence = sequences[scene.duplex]
-    free = _check_room(scene, len(sequence), refuse)
-    excitation = scene.excitation
-    if isinstance(excitation, Periodic) and excitation.sweep:
-        candidates = [
-            other
-            for other, its in configuration.scenes.items()
-            if isinstance(its.excitation, Kick | StandingWave)
-            and its.excitation.wave == excitation.wave
-            and (its.duplex, its.environment) == (scene.duplex, scene.environment)
-        ]
-        for source in excitation.sweep.scenes:
-            if source not in candidates:
-                refuse(
-                    "excitation.sweep.scenes",
-                    source,
-                    "kick or standing-wave scenes of the same wave, duplex and environment: "
-                    f"{_listed(candidates)}",
-                )
-    _check_pairs_of_effects(
-        scene, configuration.environments[scene.environment], len(sequence), refuse
-    )
-    if isinstance(excitation, StandingWave) and excitation.mode > free:
-        refuse("excitation.mode", excitation.mode, f"1 to {free}, the number of free base pairs")
+    duplex = duplexes[scene.duplex]
+    environment = configuration.environments[scene.environment]
+    pairs = len(duplex.sequence)
+    _check_room(scene, pairs, refuse)
+    _check_numbers(scene, environment, pairs, refuse)
+    _check_sweep(scene, configuration, refuse)
+    if found := _contradictions(scene, environment, pairs):
+        raise InputError(f"{path}: scene '{name}': {'; '.join(found)}")
     return SceneSpec(
         name=name,
         system=SystemSpec(
-            duplex=NamedDuplex(name=scene.duplex, sequence=sequence),
+            duplex=duplex,
             environment_name=scene.environment,
-            environment=configuration.environments[scene.environment],
+            environment=environment,
         ),
         ends=scene.ends,
-        excitation=excitation,
+        excitation=scene.excitation,
         observation=scene.observation,
         method=scene.method,
         masses=scene.masses,
@@ -141,63 +107,94 @@ def _resolve(
     )
 
 
-def _check_pairs_of_effects(
-    scene: Scene, environment: Environment, pairs: int, refuse: Any
-) -> None:
-    heavier = [added.pair for added in scene.masses]
+def _check_room(scene: Scene, pairs: int, refuse: Any) -> None:
+    free = pairs - sum(fixed_counts(scene.ends))
+    if free < 2:
+        refuse("ends.pairs", scene.ends.pairs, f"at least 2 of the {pairs} base pairs stay free")
+    excitation = scene.excitation
+    if isinstance(excitation, Kick | Pulse | Periodic):
+        if excitation.pairs >= free:
+            refuse("excitation.pairs", excitation.pairs, f"fewer than the {free} free base pairs")
+        last = pairs - excitation.pairs + 1
+        if excitation.first_pair is not None and excitation.first_pair > last:
+            refuse(
+                "excitation.first_pair",
+                excitation.first_pair,
+                f"1 to {last}, from which on {excitation.pairs} of the {pairs} base pairs follow",
+            )
+    if isinstance(excitation, StandingWave) and excitation.mode > free:
+        refuse("excitation.mode", excitation.mode, f"1 to {free}, the number of free base pairs")
+    if isinstance(excitation, Periodic) and max(excitation.modes or (1,)) > free:
+        refuse(
+            "excitation.modes",
+            list(excitation.modes or ()),
+            f"1 to {free}, the number of free base pairs",
+        )
+
+
+def _check_numbers(scene: Scene, environment: Environment, pairs: int, refuse: Any) -> None:
     start = environment.relaxation.start if environment.relaxation else None
     for field, wanted in (
-        ("masses.pair", max(heavier, default=1)),
+        ("masses.pair", max((added.pair for added in scene.masses), default=1)),
         ("environment.relaxation.start.last", start.last if start else 1),
     ):
         if wanted > pairs:
             refuse(field, wanted, f"1 to {pairs}, the number of base pairs")
-    found = contradictions(
-        frozen=held_pairs(scene.ends, pairs), heavier=[pair - 1 for pair in heavier]
-    )
-    if found:
-        refuse("masses", heavier, "; ".join(map(str, found)))
 
 
-def _check_room(scene: Scene, pairs: int, refuse: Any) -> int:
-    held = [scene.ends.first, scene.ends.last].count("held") * scene.ends.pairs
-    free = pairs - held
-    if free < 2:
-        refuse("ends.pairs", scene.ends.pairs, f"at least 2 of the {pairs} base pairs stay free")
+def _check_sweep(scene: Scene, configuration: Configuration, refuse: Any) -> None:
     excitation = scene.excitation
-    if isinstance(excitation, Kick | Pulse | Periodic) and excitation.pairs >= free:
-        refuse("excitation.pairs", excitation.pairs, f"fewer than the {free} free base pairs")
-    return free
-
-
-class _UniqueKeys(yaml.SafeLoader):
-    """A safe loader that refuses a key given twice instead of dropping the first."""
-
-
-def _unique_mapping(loader: _UniqueKeys, node: yaml.MappingNode) -> dict[Any, Any]:
-    loader.flatten_mapping(node)
-    keys = [loader.construct_object(key) for key, _ in node.value]
-    for key_node, key in zip((key for key, _ in node.value), keys, strict=True):
-        if keys.count(key) > 1:
-            raise yaml.constructor.ConstructorError(
-                None, None, f"key {key!r} is given twice", key_node.start_mark
+    if not isinstance(excitation, Periodic) or excitation.sweep is None:
+        return
+    candidates = [
+        other
+        for other, its in configuration.scenes.items()
+        if isinstance(its.excitation, Kick | StandingWave)
+        and its.excitation.wave == excitation.wave
+        and (its.duplex, its.environment) == (scene.duplex, scene.environment)
+    ]
+    for source in excitation.sweep.scenes:
+        if source not in candidates:
+            refuse(
+                "excitation.sweep.scenes",
+                source,
+                "kick or standing-wave scenes of the same wave, duplex and environment: "
+                f"{_listed(candidates)}",
             )
-    mapping: dict[Any, Any] = loader.construct_mapping(node, deep=True)
-    return mapping
 
 
-_UniqueKeys.add_constructor(yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, _unique_mapping)
+def _contradictions(scene: Scene, environment: Environment, pairs: int) -> list[str]:
+    """Return the contradictions of a scene's effects with each other and its environment's."""
+    excitation = scene.excitation
+    steady = environment.equilibration
+    excited: list[int] = []
+    if isinstance(excitation, Kick | Pulse | Periodic):
+        excited = excited_pairs(excitation, scene.ends)
+    found = contradictions(
+        frozen=held_pairs(scene.ends, pairs),
+        heavier=[added.pair - 1 for added in scene.masses],
+        excited=excited,
+        constraints=environment.constraints,
+        thermostat=scene.thermostat is not None,
+        temperature_K=environment.temperature_K,
+        harmonic=scene.method == "harmonic",
+        static=isinstance(excitation, Static),
+        replicas=scene.replicas,
+        snapshots=steady.snapshots if steady else None,
+        periods=excitation.periods if isinstance(excitation, Periodic) else None,
+        duration_ps=scene.observation.duration_ps,
+    )
+    return [str(one) for one in found]
 
 
-def _read_yaml(path: Path) -> Any:
-    try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-    try:
-        return yaml.load(text, Loader=_UniqueKeys)
-    except yaml.YAMLError as error:
-        raise InputError(f"{path}: is not valid YAML: {error}") from None
+def _told(error: ValidationError) -> list[ErrorDetails]:
+    """Return the mistakes, without that a list is too short because its items are refused."""
+    found = error.errors()
+    return [
+        one
+        for one in found
+        if one["type"] != "too_short" or not any(other["loc"][:-1] == one["loc"] for other in found)
+    ]
 
 
 def _explain_one(path: Path, error: ErrorDetails) -> str:
@@ -206,7 +203,7 @@ def _explain_one(path: Path, error: ErrorDetails) -> str:
     start = f"{path}: {where}{'.'.join(field)}".rstrip(": ")
     message = error["msg"].removeprefix("Value error, ")
     if error["type"] == "extra_forbidden":
-        known = list(model.model_fields)
+        known = [its.alias or name for name, its in model.model_fields.items()]
         near = difflib.get_close_matches(field[-1], known, n=1)
         hint = f" (did you mean '{near[0]}'?)" if near else ""
         return f"{start}: found an unknown key{hint}; allowed: {_listed(known)}"

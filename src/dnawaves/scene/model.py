@@ -6,7 +6,10 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
+NAME = r"^[A-Za-z][A-Za-z0-9_]*$"
+Name = Annotated[str, Field(pattern=NAME)]
+# OpenMM's seeds are signed integers of 32 bits.
+Seed = Annotated[int, Field(ge=0, le=2**31 - 1)]
 
 
 class Model(BaseModel):

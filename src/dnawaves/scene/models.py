@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, NonNegativeInt, PositiveInt, model_validator
+from pydantic import Field, PositiveInt, model_validator
 
 from dnawaves.scene.environment import EXPLICIT, Environment
 from dnawaves.scene.excitations import (
+    PULSE_DELAY_WIDTHS,
     Excitation,
     Kick,
     Nothing,
@@ -16,7 +17,7 @@ from dnawaves.scene.excitations import (
     StandingWave,
     Static,
 )
-from dnawaves.scene.model import Model, Name
+from dnawaves.scene.model import Model, Name, Seed
 
 Method = Literal["simulated", "harmonic"]
 SMALLEST_PULSE_TIMESTEPS = 10
@@ -65,7 +66,9 @@ class Observation(Model):
         1.2, description="length of the record in crossings of the duplex, by the first estimate"
     )
     interval_fs: Annotated[float, Field(gt=0, le=1e5)] | None = Field(
-        None, description="time between frames; left out: from the first estimate"
+        None,
+        description="time between frames, rounded down to whole timesteps; left out: from the "
+        "first estimate",
     )
     helical: bool = Field(
         False, description="also record the base atoms and derive helical parameters"
@@ -85,9 +88,7 @@ class Thermostat(Model):
     friction_per_ps: Annotated[float, Field(gt=0, le=100)] = Field(
         description="rate at which momentum decays; it damps the wave too"
     )
-    seed: NonNegativeInt = Field(
-        1, description="seed of the noise; both signs of a run see the same noise"
-    )
+    seed: Seed = Field(1, description="seed of the noise; both signs of a run see the same noise")
 
 
 class Scene(Model):
@@ -137,15 +138,20 @@ class Scene(Model):
                 f"'periodic', found kind '{excitation.kind}'; a static scene's own answer "
                 "includes the harmonic one, and without excitation nothing moves"
             )
+        if self.method == "harmonic" and ends.stiffness_pN_per_nm is not None:
+            raise ValueError(
+                "method 'harmonic' contradicts an end that is 'restrained': its normal modes are "
+                "those without springs; allowed: 'free' or 'held'"
+            )
         if self.method == "harmonic" and observed.helical:
             raise ValueError(
                 "method 'harmonic' knows base pairs and no atoms, so observation.helical must be "
                 "false, found true"
             )
-        both_held = ends.first == "held" and ends.last == "held"
-        if isinstance(excitation, StandingWave | Periodic) and not both_held:
+        both_fixed = {ends.first, ends.last} <= {"held", "restrained"}
+        if isinstance(excitation, StandingWave | Periodic) and not both_fixed:
             raise ValueError(
-                f"excitation.kind '{excitation.kind}' needs both ends held, "
+                f"excitation.kind '{excitation.kind}' needs both ends held or restrained, "
                 f"found ends.first '{ends.first}', ends.last '{ends.last}'"
             )
         if isinstance(excitation, Static) != (ends.last == "guided") or (
@@ -166,15 +172,16 @@ class Scene(Model):
                 f"observation.interval_fs must be at least timestep_fs "
                 f"({observed.timestep_fs:g}), found {interval_fs:g}"
             )
-        if isinstance(excitation, Periodic) and excitation.frequencies_GHz:
+        if isinstance(excitation, Periodic):
             # Left out, the interval follows the drive; five timesteps still resolve it.
             finest_fs = interval_fs or 5 * observed.timestep_fs
             nyquist_GHz = 0.5e6 / finest_fs
-            for frequency_GHz in excitation.frequencies_GHz:
+            given = "range_GHz" if excitation.range_GHz else "frequencies_GHz"
+            for frequency_GHz in excitation.given_GHz:
                 if frequency_GHz >= nyquist_GHz:
                     raise ValueError(
-                        f"excitation.frequencies_GHz must lie below the recording's Nyquist "
-                        f"frequency, {nyquist_GHz:g} GHz at observation.interval_fs "
+                        f"excitation.{given} must lie below the recording's Nyquist frequency, "
+                        f"{nyquist_GHz:g} GHz at observation.interval_fs "
                         f"{finest_fs:g}, found {frequency_GHz:g}"
                     )
         if isinstance(excitation, Pulse) and excitation.width_fs is not None:
@@ -183,6 +190,13 @@ class Scene(Model):
                 raise ValueError(
                     f"excitation.width_fs must be at least {SMALLEST_PULSE_TIMESTEPS} timesteps, "
                     f"{least_fs:g} fs, found {excitation.width_fs:g}"
+                )
+            peak_ps = PULSE_DELAY_WIDTHS * excitation.width_fs / 1e3
+            if observed.duration_ps is not None and observed.duration_ps <= peak_ps:
+                raise ValueError(
+                    f"observation.duration_ps must be above {peak_ps:g}, when a pulse of "
+                    f"excitation.width_fs {excitation.width_fs:g} is at its height, found "
+                    f"{observed.duration_ps:g}"
                 )
         return self
 
@@ -196,10 +210,13 @@ class Configuration(Model):
 
 
 class NamedDuplex(Model):
-    """A duplex: its name and strand I from 5' to 3'."""
+    """A duplex: its name and strand I from 5' to 3'; where it is a user's structure, its file."""
 
     name: Name
     sequence: str
+    file: str | None = None
+    # Of the file's content (SHA-256): another content is another duplex.
+    digest: str | None = None
 
 
 class SystemSpec(Model):
@@ -253,10 +270,7 @@ class SceneSpec(Model):
         if isinstance(excitation, Kick | StandingWave | Static):
             return tuple(f"x{scale:g}" for scale in excitation.scales)
         if isinstance(excitation, Periodic):
-            points = len(excitation.frequencies_GHz or ()) or (
-                excitation.sweep.points if excitation.sweep else 0
-            )
-            return tuple(f"f{index}" for index in range(1, points + 1))
+            return tuple(f"f{index}" for index in range(1, excitation.points + 1))
         return ("run",)
 
     @property
