@@ -143,7 +143,7 @@ def test_a_kick_goes_through_it_and_keeps_its_energy(implicit: Implicit) -> None
     )
     folder = implicit.folder
     write_json(folder / "scene.json", scene.model_dump(mode="json"))
-    files = [folder / name for name in ("scene.json", "built.pdb", "relaxed.nc", "hessian.npz")]
+    files = [folder / name for name in ("scene.json", "built.pdb", "relaxed.nc")]
     simulate_step(*files, "x1", folder / "motion.nc", None, [], threads=1)
     motion = read_netcdf(folder / "motion.nc")
     energy = motion["total_energy"].sel(sign=1).values

@@ -1,4 +1,7 @@
-"""Is the relaxed duplex still B-DNA? Its helical parameters, pairing and distance from ideal."""
+"""Is the structure that scenes start from B-DNA? Helical parameters, pairing, distance from ideal.
+
+At T = 0 that is the relaxed minimum, above it the mean structure of the equilibration.
+"""
 
 from __future__ import annotations
 
@@ -17,6 +20,7 @@ from dnawaves.helical.analysis import HelicalParameters
 from dnawaves.scene.load import read_system
 from dnawaves.system.duplex import SimulatedDuplex
 from dnawaves.system.relax import read_relaxed
+from dnawaves.system.snapshots import read_mean
 from dnawaves.trajectory.record import base_atoms
 
 # What still counts as B-DNA: bounds on the mean over the interior steps.
@@ -33,13 +37,17 @@ KINK_ROLL_DEG = 45.0
 def inspect_step(
     system_json: Path,
     built: Path,
-    relaxed: Path,
+    start: Path,
     output: Path,
     base_atoms_output: Path,
     structure: Path,
 ) -> None:
-    """Write the relaxed structure as PDB, whole and base atoms only, and what it looks like."""
-    duplex = read_relaxed(read_system(system_json), built, relaxed)
+    """Write the structure as PDB, whole and base atoms only, and what it looks like.
+
+    `start` is what `dnawaves relax` wrote, or `dnawaves equilibrate` above 0 K.
+    """
+    spec = read_system(system_json)
+    duplex = (read_mean if spec.thermal else read_relaxed)(spec, built, start)
     with TemporaryDirectory() as folder:
         pdb = Path(folder) / "relaxed.pdb"
         write_pdb(duplex.topology, duplex.positions_nm, pdb)
@@ -138,5 +146,6 @@ def hydrogen_bonds(duplex: SimulatedDuplex, structure: Path) -> NDArray[np.int64
 def heavy_atom_rmsd_A(built: Path, relaxed: Path) -> float:
     """Return the heavy atoms' least-squares RMSD between two structures, by mdtraj."""
     one, other = (mdtraj.load(str(path)) for path in (built, relaxed))
-    heavy = one.topology.select("element != H")
+    # Water, if any, is in the built structure only, and comes last.
+    heavy = other.topology.select("element != H")
     return 10 * float(mdtraj.rmsd(other, one, atom_indices=heavy)[0])

@@ -1,4 +1,8 @@
-"""A duplex that can be simulated: topology, forces, masses, base pairs, helix axis."""
+"""A duplex that can be simulated: topology, forces, masses, base pairs, helix axis.
+
+Water and ions, if any, come after the duplex's atoms; base pairs, bodies and the helix axis are
+those of the duplex alone.
+"""
 
 from __future__ import annotations
 
@@ -18,9 +22,11 @@ from dnawaves.system.effects.masses import add_mass
 from dnawaves.system.forces import build_system
 from dnawaves.system.geometry import (
     HelixFrame,
+    duplex_topology,
     helix_frame,
     pair_labels,
     pair_of_atoms,
+    strands,
     sugar_anchors,
 )
 from dnawaves.system.rigid_body import RigidBodies
@@ -33,17 +39,23 @@ class SimulatedDuplex:
     """A duplex in its environment at positions (atoms, 3) in nm.
 
     `added_Da` holds the mass that base pairs carry besides their own, by their indices.
+    `velocities_nm_per_ps` (atoms, 3) are those of an equilibrated snapshot, None at T = 0;
+    `box_nm` (3,) the lengths of the periodic box, None without one.
     """
 
     spec: SystemSpec
     topology: app.Topology
     positions_nm: Array
     added_Da: Mapping[int, float] = field(default_factory=dict)
+    velocities_nm_per_ps: Array | None = None
+    box_nm: Array | None = None
 
     @cached_property
     def system(self) -> openmm.System:
         """The OpenMM System with every atom free."""
         system = build_system(self.topology, self.spec.environment)
+        if self.box_nm is not None:
+            system.setDefaultPeriodicBoxVectors(*np.diag(self.box_nm))
         for pair, added_Da in self.added_Da.items():
             add_mass(system, np.flatnonzero(self.pairs == pair), added_Da)
         return system
@@ -60,8 +72,13 @@ class SimulatedDuplex:
 
     @cached_property
     def pairs(self) -> NDArray[np.intp]:
-        """Index of each atom's base pair, shape (atoms,)."""
+        """Index of the base pair of each of the duplex's atoms, shape (solute,)."""
         return pair_of_atoms(self.topology)
+
+    @property
+    def solute(self) -> int:
+        """Number of the duplex's atoms, which come first."""
+        return len(self.pairs)
 
     @property
     def pair_count(self) -> int:
@@ -81,7 +98,8 @@ class SimulatedDuplex:
     @cached_property
     def bodies(self) -> RigidBodies:
         """The base pairs as rigid bodies about these positions."""
-        return RigidBodies(self.positions_nm, self.masses_Da, self.pairs)
+        atoms = slice(self.solute)
+        return RigidBodies(self.positions_nm[atoms], self.masses_Da[atoms], self.pairs)
 
     @cached_property
     def heights_nm(self) -> Array:
@@ -102,13 +120,18 @@ class SimulatedDuplex:
     @property
     def axial_inertia_Da_nm2(self) -> Array:
         """Moment of inertia of each base pair about the helix axis, shape (N,)."""
-        arms = self.positions_nm - self.frame.on_axis(self.positions_nm)
-        moments = self.masses_Da * np.sum(arms**2, axis=1)
+        positions = self.positions_nm[: self.solute]
+        arms = positions - self.frame.on_axis(positions)
+        moments = self.masses_Da[: self.solute] * np.sum(arms**2, axis=1)
         return np.bincount(self.pairs, moments).astype(np.float64)
 
     def with_positions(self, positions_nm: Array) -> SimulatedDuplex:
         """Return the same duplex at other positions."""
         return replace(self, positions_nm=positions_nm)
+
+    def without_solvent(self, positions_nm: Array) -> SimulatedDuplex:
+        """Return the duplex alone at positions (solute, 3), to look at but not to simulate."""
+        return SimulatedDuplex(self.spec, duplex_topology(self.topology), positions_nm)
 
     def with_added_mass(self, added_Da: Mapping[int, float]) -> SimulatedDuplex:
         """Return the same duplex with mass (Da) added to base pairs, by their indices."""
@@ -121,10 +144,18 @@ def read_built(spec: SystemSpec, structure: Path) -> SimulatedDuplex:
     Raises `InputError` where strand I is not the system's sequence.
     """
     pdb = app.PDBFile(str(structure))
-    first = next(pdb.topology.chains())
-    found = "".join(residue.name[-1] for residue in first.residues())
+    found = "".join(residue.name[-1] for residue in strands(pdb.topology)[0].residues())
     if found != spec.duplex.sequence:
         raise InputError(f"{structure}: found {found}; allowed: {spec.duplex.sequence}")
+    box = pdb.topology.getUnitCellDimensions()
+    if (box is not None) != spec.explicit:
+        raise InputError(
+            f"{structure}: found {'a' if box else 'no'} box; "
+            f"allowed: {'one' if spec.explicit else 'none'} with solvent {spec.environment.solvent}"
+        )
     return SimulatedDuplex(
-        spec, pdb.topology, np.array(pdb.positions.value_in_unit(unit.nanometer))
+        spec,
+        pdb.topology,
+        np.array(pdb.positions.value_in_unit(unit.nanometer)),
+        box_nm=None if box is None else np.array(box.value_in_unit(unit.nanometer)),
     )

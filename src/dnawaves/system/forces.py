@@ -1,12 +1,14 @@
-"""The forces of the environment: Amber DNA with condensed counterions or implicit solvent."""
+"""The forces of the environment: Amber DNA with condensed counterions, or in a solvent."""
 
 from __future__ import annotations
 
 import openmm
 from openmm import app, unit
 
-from dnawaves.scene.environment import Environment
+from dnawaves.scene.environment import EXPLICIT, Environment
+from dnawaves.system.effects.constraints import hydrogen_options
 from dnawaves.system.effects.implicit import custom_born, native_obc2
+from dnawaves.system.effects.water import WATER_FILES, build_explicit
 
 FORCE_FIELD_FILES = {
     "OL21": "amber19/DNA.OL21.xml",
@@ -18,23 +20,40 @@ CONDUCTOR_DIELECTRIC = 1e9
 
 
 def load_force_field(environment: Environment) -> app.ForceField:
-    """Return the Amber DNA force field that the environment names."""
-    return app.ForceField(FORCE_FIELD_FILES[environment.force_field])
+    """Return the Amber DNA force field that the environment names, with its water if explicit."""
+    files = [FORCE_FIELD_FILES[environment.force_field]]
+    if environment.solvent in EXPLICIT:
+        files.append(WATER_FILES[environment.solvent])
+    return app.ForceField(*files)
 
 
 def build_system(topology: app.Topology, environment: Environment) -> openmm.System:
     """Return the OpenMM System of a duplex in its environment.
 
-    Nothing is constrained and nothing removes the motion of the centre of mass: a remover would
-    answer a kick, a load or a held end with a recoil of the whole duplex at once.
+    Nothing removes the motion of the centre of mass: a remover would answer a kick, a load or a
+    held end with a recoil of the whole duplex at once.
     """
+    force_field = load_force_field(environment)
+    hydrogens = hydrogen_options(environment.constraints, environment.hydrogen_mass_Da)
+    if environment.solvent in EXPLICIT and topology.getUnitCellDimensions() is None:
+        # The duplex taken out of its water: it has masses and bonds, but is not to be simulated.
+        return force_field.createSystem(topology, removeCMMotion=False, **hydrogens)
+    if environment.solvent in EXPLICIT:
+        assert environment.cutoff_nm
+        return build_explicit(
+            topology,
+            force_field,
+            cutoff_nm=environment.cutoff_nm,
+            switch_nm=environment.switch_nm,
+            **hydrogens,
+        )
     implicit = environment.solvent != "none"
-    system = load_force_field(environment).createSystem(
+    system = force_field.createSystem(
         topology,
         nonbondedMethod=app.NoCutoff if implicit else app.CutoffNonPeriodic,
-        constraints=None,
         rigidWater=False,
         removeCMMotion=False,
+        **hydrogens,
     )
     nonbonded = nonbonded_force(system)
     if implicit:
@@ -62,10 +81,10 @@ def cut_off(nonbonded: openmm.NonbondedForce, cutoff_nm: float, switch_nm: float
 def _implicit_solvent(
     topology: app.Topology, environment: Environment, charges: list[float]
 ) -> openmm.Force:
-    if environment.salt_M == 0:
+    if environment.solvent == "OBC2" and environment.salt_M == 0:
         return native_obc2(topology, charges, surface_area=environment.surface_area)
     return custom_born(
-        "OBC2",
+        "GBn2" if environment.solvent == "GBn2" else "OBC2",
         topology,
         FORCE_FIELD_FILES[environment.force_field],
         salt_M=environment.salt_M,

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
-from openmm import app
+from openmm import app, unit
 from scipy.optimize import least_squares
 
 Array = NDArray[np.float64]
@@ -40,10 +41,25 @@ class HelixFrame:
         return self.origin_nm + self.height_nm(positions_nm)[..., None] * self.axis
 
 
+def strands(topology: app.Topology) -> tuple[app.topology.Chain, app.topology.Chain]:
+    """Return strand I and II: the first two chains, before water and ions."""
+    first, second = islice(topology.chains(), 2)
+    return first, second
+
+
+def duplex_topology(topology: app.Topology) -> app.Topology:
+    """Return the topology of the two strands alone."""
+    alone = app.Modeller(topology, np.zeros((topology.getNumAtoms(), 3)) * unit.nanometer)
+    alone.delete(list(islice(topology.chains(), 2, None)))
+    alone.topology.setPeriodicBoxVectors(None)
+    return alone.topology
+
+
 def pair_of_atoms(topology: app.Topology) -> Indices:
-    """Return, for every atom, the index (from 0) of the base pair that its nucleotide is in."""
-    first, second = (list(chain.residues()) for chain in topology.chains())
-    pairs = np.empty(topology.getNumAtoms(), dtype=np.intp)
+    """Return, for every atom of the duplex, the index (from 0) of its nucleotide's base pair."""
+    first, second = (list(chain.residues()) for chain in strands(topology))
+    atoms = sum(1 for chain in strands(topology) for _ in chain.atoms())
+    pairs = np.empty(atoms, dtype=np.intp)
     for index, (one, other) in enumerate(zip(first, reversed(second), strict=True)):
         for residue in (one, other):
             for atom in residue.atoms():
@@ -54,14 +70,14 @@ def pair_of_atoms(topology: app.Topology) -> Indices:
 def sugar_anchors(topology: app.Topology) -> Indices:
     """Return the atom indices of C1' as (2, N): strand I and II of base pair 1 to N."""
     first, second = (
-        [atom.index for atom in chain.atoms() if atom.name == "C1'"] for chain in topology.chains()
+        [atom.index for atom in chain.atoms() if atom.name == "C1'"] for chain in strands(topology)
     )
     return np.array([first, second[::-1]], dtype=np.intp)
 
 
 def pair_labels(topology: app.Topology) -> list[str]:
     """Return labels such as 'A:1-B:24' for base pair 1 to N."""
-    first, second = topology.chains()
+    first, second = strands(topology)
     return [
         f"{first.id}:{one.id}-{second.id}:{other.id}"
         for one, other in zip(first.residues(), reversed(list(second.residues())), strict=True)

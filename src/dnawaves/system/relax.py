@@ -17,8 +17,10 @@ from dnawaves.errors import InputError, SimulationError
 from dnawaves.files import provenance, read_netcdf
 from dnawaves.scene.environment import Relaxation
 from dnawaves.scene.models import SystemSpec
+from dnawaves.system.clash import nearest_atoms
 from dnawaves.system.duplex import SimulatedDuplex, read_built
 from dnawaves.system.effects.start import turned
+from dnawaves.system.effects.thermostat import openmm_seed
 from dnawaves.system.guided import first_estimates_A_per_ps
 from dnawaves.system.hessian import Hessian, ReferenceForces
 from dnawaves.system.instability import Instability, instability
@@ -114,11 +116,28 @@ def anneal(built: SimulatedDuplex, relaxation: Relaxation, report: Report) -> Ar
     """Return positions after a short minimisation and a linear anneal to zero temperature.
 
     One thread and deterministic forces: the structure found must not depend on the cores at hand.
+
+    Raises
+    ------
+    SimulationError
+        When it explodes, as it does where atoms lie upon each other; names the nearest two.
     """
+    try:
+        return _annealed(built, relaxation, report)
+    except openmm.OpenMMException as error:
+        # OpenMM names neither the atoms nor the step.
+        cause = str(error).split(".")[0]
+        nearest = nearest_atoms(built.topology, built.positions_nm)
+        raise SimulationError(
+            f"the anneal exploded: {cause}; at its start the nearest atoms are {nearest}"
+        ) from error
+
+
+def _annealed(built: SimulatedDuplex, relaxation: Relaxation, report: Report) -> Array:
     integrator = openmm.LangevinMiddleIntegrator(
         relaxation.anneal_temperature_K, ANNEAL_FRICTION_PER_PS, ANNEAL_TIMESTEP_PS
     )
-    integrator.setRandomNumberSeed(relaxation.seed)
+    integrator.setRandomNumberSeed(openmm_seed(relaxation.seed))
     context = openmm.Context(
         built.system,
         integrator,

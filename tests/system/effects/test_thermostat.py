@@ -125,10 +125,16 @@ def test_frozen_particles_stay(bodies: Any, temperature_K: float) -> None:
     assert (place[2:] != start[2:]).all()
 
 
-def test_the_seed_decides_the_noise(bodies: Any) -> None:
+@pytest.mark.parametrize("scheme", ["LFMiddle", "OBABO"])
+@pytest.mark.parametrize("first", [0, 1])
+def test_the_seed_decides_the_noise(bodies: Any, scheme: str, first: int) -> None:
     places = []
-    for seed in (1, 1, 2):
-        integrator = velocity_verlet_with_friction(0.002, 1.0, TEMPERATURE_K, seed)
+    for seed in (first, first, 2):
+        integrator = (
+            langevin_middle(TEMPERATURE_K, 1.0, 0.002, seed)
+            if scheme == "LFMiddle"
+            else velocity_verlet_with_friction(0.002, 1.0, TEMPERATURE_K, seed)
+        )
         context = on_reference(oscillators(bodies, np.full(2, 12.0)), integrator)
         context.setPositions(np.zeros((2, 3)))
         integrator.step(10)

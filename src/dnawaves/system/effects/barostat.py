@@ -5,6 +5,7 @@ from __future__ import annotations
 import openmm
 
 from dnawaves.errors import InputError
+from dnawaves.system.effects.thermostat import openmm_seed
 
 ATMOSPHERE_bar = 1.01325
 STEPS_PER_ATTEMPT = 25
@@ -39,7 +40,7 @@ def barostat(
             openmm.MonteCarloMembraneBarostat.ZFixed,
             steps_per_attempt,
         )
-    force.setRandomNumberSeed(seed)
+    force.setRandomNumberSeed(openmm_seed(seed))
     return force
 
 

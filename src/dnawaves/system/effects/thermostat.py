@@ -8,6 +8,11 @@ import openmm
 from dnawaves.units import BOLTZMANN_KJ_PER_MOL_K
 
 
+def openmm_seed(seed: int) -> int:
+    """Return a seed for OpenMM, which takes zero for one of its own choice."""
+    return seed or 2**31 - 1
+
+
 def langevin_middle(
     temperature_K: float, friction_per_ps: float, timestep_ps: float, seed: int
 ) -> openmm.LangevinMiddleIntegrator:
@@ -16,7 +21,7 @@ def langevin_middle(
     Its velocities are half a step behind its positions.
     """
     integrator = openmm.LangevinMiddleIntegrator(temperature_K, friction_per_ps, timestep_ps)
-    integrator.setRandomNumberSeed(seed)
+    integrator.setRandomNumberSeed(openmm_seed(seed))
     return integrator
 
 
@@ -30,7 +35,7 @@ def velocity_verlet_with_friction(
     temperature there is no noise. `friction_per_ps` is the rate at which momentum decays.
     """
     integrator = openmm.CustomIntegrator(timestep_ps)
-    integrator.setRandomNumberSeed(seed)
+    integrator.setRandomNumberSeed(openmm_seed(seed))
     integrator.addGlobalVariable("kept", float(np.exp(-0.5 * friction_per_ps * timestep_ps)))
     integrator.addGlobalVariable("kT", BOLTZMANN_KJ_PER_MOL_K * temperature_K)
     integrator.addPerDofVariable("free", 0.0)
