@@ -42,7 +42,7 @@ def main(results: Path, name: str) -> None:
         started = time.perf_counter()
         recorder = run_member(duplex, one, plan, one.members[0], {})
         wall_s = time.perf_counter() - started
-        (estimate,) = analyse([Record(one, one.members[0], recorder.dataset())])
+        estimate = analyse([Record(one, one.members[0], recorder.dataset())])[0]
         assert estimate.speed_A_per_ps is not None
         reference = reference or estimate.speed_A_per_ps
         change = estimate.speed_A_per_ps / reference - 1

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from dnawaves.scene.models import SceneSpec
+from dnawaves.files import write_json
+from dnawaves.scene.models import Environment, NamedDuplex, SceneSpec, SystemSpec
 from dnawaves.system.duplex import SimulatedDuplex
+from dnawaves.system.snapshots import read_equilibrated
+from dnawaves.system.steps import build_step, equilibrate_step
 
 FREE = {"first": "free", "last": "free"}
 HELD = {"first": "held", "last": "held"}
@@ -28,6 +33,7 @@ def make_scene() -> Callable[..., SceneSpec]:
         duplex: SimulatedDuplex,
         excitation: Mapping[str, Any],
         ends: Mapping[str, Any] = FREE,
+        thermostat: Mapping[str, Any] | None = None,
         **observation: Any,
     ) -> SceneSpec:
         return SceneSpec.model_validate(
@@ -37,6 +43,7 @@ def make_scene() -> Callable[..., SceneSpec]:
                 "ends": ends,
                 "excitation": excitation,
                 "observation": observation,
+                "thermostat": thermostat,
             }
         )
 
@@ -49,5 +56,46 @@ def make_kick() -> Callable[..., dict[str, Any]]:
 
     def make(wave: str, **fields: Any) -> dict[str, Any]:
         return {"kind": "kick", "wave": wave, "pairs": 2, **AMPLITUDES[wave], **fields}
+
+    return make
+
+
+@dataclass(frozen=True)
+class Snapshots:
+    """A system above 0 K after a very short equilibration: the files of the steps that made it."""
+
+    spec: SystemSpec
+    built_file: Path
+    equilibrated_file: Path
+
+    def __getitem__(self, number: int) -> SimulatedDuplex:
+        """Return the system in a snapshot, from 1."""
+        return read_equilibrated(self.spec, self.built_file, self.equilibrated_file, number)
+
+
+@pytest.fixture(scope="session")
+def equilibrated(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Snapshots]:
+    """Return a function of a sequence and an environment's fields: two snapshots at 300 K."""
+    known: dict[str, Snapshots] = {}
+
+    def make(sequence: str = "CGCG", **environment: Any) -> Snapshots:
+        short = {"duration_ps": 0.4, "timestep_fs": 1, "snapshots": 2, "spacing_ps": 0.1}
+        short |= environment.pop("equilibration", {})
+        spec = SystemSpec(
+            duplex=NamedDuplex(name="small", sequence=sequence),
+            environment_name="warm",
+            environment=Environment.model_validate(
+                {"temperature_K": 300, "equilibration": short, **environment}
+            ),
+        )
+        name = spec.model_dump_json()
+        if name not in known:
+            folder = tmp_path_factory.mktemp("equilibrated")
+            files = [folder / file for file in ("system.json", "built.pdb", "equilibrated.nc")]
+            write_json(files[0], spec.model_dump(mode="json"))
+            build_step(files[0], files[1])
+            equilibrate_step(*files, threads=1)
+            known[name] = Snapshots(spec, *files[1:])
+        return known[name]
 
     return make

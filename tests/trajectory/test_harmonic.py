@@ -264,7 +264,7 @@ def test_a_harmonic_scene_is_answered_from_files(
 
     def answer(modes: Any) -> None:
         scene_json, output = tmp_path / "scene.json", tmp_path / "motion.nc"
-        simulate_step(scene_json, *files, "x1", output, None, [], threads=1, modes=modes)
+        simulate_step(scene_json, *files[:2], "x1", output, None, [], threads=1, modes=modes)
 
     with pytest.raises(InputError, match="needs the file of modes"):
         answer(None)

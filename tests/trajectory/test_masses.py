@@ -31,7 +31,7 @@ def motion(
         masses = tuple(AddedMass(pair=pair, mass_Da=ADDED_DA) for pair in pairs)
         loaded = scene.model_copy(update={"masses": masses})
         write_json(folder / "scene.json", loaded.model_dump(mode="json"))
-        files = (relaxed.built_file, relaxed.relaxed_file, relaxed.hessian_file)
+        files = (relaxed.built_file, relaxed.relaxed_file)
         output = folder / "motion.nc"
         simulate_step(folder / "scene.json", *files, "x1", output, None, [], threads=1)
         return read_netcdf(output)

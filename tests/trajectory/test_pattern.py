@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from dnawaves.scene.excitations import Kick, Periodic, Pulse, StandingWave
 from dnawaves.scene.models import Ends, SceneSpec
-from dnawaves.scene.pairs import excited_pairs, held_pairs
+from dnawaves.scene.pairs import excited_pairs, fixed_pairs, held_pairs, span
 from dnawaves.system.duplex import SimulatedDuplex
 from dnawaves.trajectory.pattern import (
     directions,
@@ -55,6 +55,40 @@ def test_held_and_excited_pairs() -> None:
     kick = Kick(kind="kick", wave="extension", velocity_A_per_ps=1, pairs=3)
     assert excited_pairs(kick, Ends(first="free", last="held", pairs=2)) == [0, 1, 2]
     assert excited_pairs(kick, Ends(first="held", last="held", pairs=2)) == [2, 3, 4]
+    # Next to springs, not on them; and where it is chosen, counted from 1.
+    springs = Ends(first="restrained", last="restrained", pairs=2, stiffness_pN_per_nm=100)
+    assert excited_pairs(kick, springs) == [2, 3, 4]
+    chosen = Kick(kind="kick", wave="extension", velocity_A_per_ps=1, pairs=2, first_pair=5)
+    assert excited_pairs(chosen, FREE) == excited_pairs(chosen, HELD) == [4, 5]
+
+
+def test_what_a_wave_reaches_ends_at_what_is_held_or_restrained() -> None:
+    springs = Ends(first="restrained", last="free", pairs=2, stiffness_pN_per_nm=100)
+    assert held_pairs(springs, 8) == []
+    assert fixed_pairs(springs, 8) == [0, 1]
+    assert span(springs, 8) == (1, 7)
+    assert fixed_pairs(HELD, 8) == held_pairs(HELD, 8) == [0, 7]
+    assert span(HELD, 8) == span(FREE, 8) == (0, 7)
+
+
+@pytest.mark.parametrize("wave", WAVES)
+def test_a_chosen_place_gets_what_the_first_end_would_get(
+    duplex: SimulatedDuplex, wave: str
+) -> None:
+    kick = Kick(kind="kick", wave=wave, pairs=2, first_pair=3, **strong(wave))
+    velocities = kick_pattern(kick, HELD, PAIRS).velocities(duplex)
+    chosen = np.isin(duplex.pairs, [2, 3])
+    assert not velocities[~chosen].any()
+    linear, angular = duplex.bodies.velocity(duplex.positions_nm, velocities)
+    along, about = directions(duplex, wave)
+    if wave in ("extension", "shear"):
+        np.testing.assert_allclose(linear[2:4], [0.05 * along] * 2, atol=ROUND_OFF)
+    else:
+        np.testing.assert_allclose(angular[2:4], [0.5 * about] * 2, atol=ROUND_OFF)
+    pulse = Pulse(kind="pulse", wave=wave, pairs=2, first_pair=3, **loaded(wave, 30.0))
+    forces = forces_at_full_strength(pulse, HELD, duplex)
+    assert not forces[~chosen].any()
+    assert forces[chosen].any()
 
 
 @pytest.mark.parametrize("wave", ["extension", "shear"])
@@ -154,7 +188,7 @@ def test_axial_standing_waves_are_sines(wave: str) -> None:
 
 @pytest.mark.parametrize(
     ("kind", "wave"),
-    [*(("pulse", wave) for wave in WAVES), ("periodic", "extension"), ("periodic", "twist")],
+    [(kind, wave) for kind in ("pulse", "periodic") for wave in WAVES],
 )
 def test_forces_add_up_to_what_is_declared(duplex: SimulatedDuplex, kind: str, wave: str) -> None:
     amount = 30.0

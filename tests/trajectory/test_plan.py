@@ -116,6 +116,9 @@ def test_pulse_spans_the_steps_that_keep_the_fronts_bias_small(
     assert duration_ps <= covered_ps + 1e-9 < duration_ps + made.interval_ps + 1e-9
     declared = plan(make({**pulse, "width_fs": 150}, {"first": "free", "last": "held"}), "run")
     assert declared.pulse_width_ps == 0.15
+    short = make(pulse, {"first": "free", "last": "held"}, duration_ps=1.0)
+    with pytest.raises(InputError, match=r"duration_ps: found 1; allowed: above 6\.8"):
+        plan(short, "run")
 
 
 def test_member_of_another_scene_is_refused(make: Callable[..., SceneSpec]) -> None:

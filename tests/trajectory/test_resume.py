@@ -13,6 +13,7 @@ from contextlib import redirect_stderr
 from dataclasses import replace
 from multiprocessing.context import ForkServerProcess
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import openmm
@@ -46,13 +47,13 @@ PROCESSES = multiprocessing.get_context("forkserver")
 PROCESSES.set_forkserver_preload(["dnawaves.trajectory.run"])
 
 
-def simulate(duplex: SimulatedDuplex, scene: SceneSpec, output: Path) -> None:
-    """Run the driven scene from start or last checkpoint to its end; tells the log where it is."""
+def simulate(duplex: SimulatedDuplex, scene: SceneSpec, member: str, output: Path) -> None:
+    """Run a scene from start or last checkpoint to its end; tells the log where it is."""
     with output.with_suffix(".log").open("a") as log, redirect_stderr(log):
         plan = Plan(0.001, 10, FRAMES, frequency_GHz=500.0, ramp_ps=0.5)
         files = {sign: output.with_name(f"{sign}.dcd") for sign in (1, -1)}
         folder = checkpoint_folder(output)
-        recorder = run_member(duplex, scene, plan, "f1", files, 1, folder, EVERY)
+        recorder = run_member(duplex, scene, plan, member, files, 1, folder, EVERY)
         write_netcdf(output, recorder.dataset())
 
 
@@ -90,24 +91,25 @@ def checkpoints_in(folder: Path) -> int:
     return max((int(name) for name in names if name.isdigit()), default=0)
 
 
-def test_a_run_killed_ten_times_ends_as_if_it_had_not_been(
-    duplex: SimulatedDuplex, scene: SceneSpec, tmp_path: Path
+def kill_and_compare(
+    duplex: SimulatedDuplex, scene: SceneSpec, member: str, folder: Path, kills: int
 ) -> None:
-    whole, killed = (tmp_path / name / "motion.nc" for name in ("whole", "killed"))
+    """Kill a run at random moments; assert that it ends as one that nobody disturbed."""
+    whole, killed = (folder / name / "motion.nc" for name in ("whole", "killed"))
 
     def start(output: Path) -> ForkServerProcess:
         output.parent.mkdir(exist_ok=True)
-        process = PROCESSES.Process(target=simulate, args=(duplex, scene, output))
+        process = PROCESSES.Process(target=simulate, args=(duplex, scene, member, output))
         process.start()
         return process
 
     undisturbed = start(whole)
-    folder, moments = checkpoint_folder(killed), random.Random(1)
-    for _ in range(KILLS):
-        reached = checkpoints_in(folder)
+    checkpoints, moments = checkpoint_folder(killed), random.Random(1)
+    for _ in range(kills):
+        reached = checkpoints_in(checkpoints)
         process = start(killed)
         # Until it has got a little further, and then at any moment of a few checkpoints' time.
-        while checkpoints_in(folder) < reached + EVERY:
+        while checkpoints_in(checkpoints) < reached + EVERY:
             assert process.is_alive()
             time.sleep(0.001)
         time.sleep(moments.uniform(0, 0.1))
@@ -120,12 +122,35 @@ def test_a_run_killed_ten_times_ends_as_if_it_had_not_been(
     for process in (start(killed), undisturbed):
         process.join(timeout=60)
         assert process.exitcode == 0
-    assert killed.with_suffix(".log").read_text().count("goes on at") == KILLS
+    assert killed.with_suffix(".log").read_text().count("goes on at") == kills
     assert "goes on at" not in whole.with_suffix(".log").read_text()
     same(read_netcdf(killed), read_netcdf(whole))
     assert read_netcdf(killed).sizes["time"] == FRAMES
     for name in ("1.dcd", "-1.dcd"):
         assert killed.with_name(name).read_bytes() == whole.with_name(name).read_bytes()
+
+
+def test_a_run_killed_ten_times_ends_as_if_it_had_not_been(
+    duplex: SimulatedDuplex, scene: SceneSpec, tmp_path: Path
+) -> None:
+    kill_and_compare(duplex, scene, "f1", tmp_path, KILLS)
+
+
+KICK = {"kind": "kick", "wave": "extension", "velocity_A_per_ps": 1.0, "pairs": 1}
+
+
+@pytest.mark.parametrize(("excitation", "member"), [(KICK, "x1r2"), (DRIVE, "f1r2")])
+def test_so_does_one_with_a_thermostats_noise(
+    equilibrated: Any,
+    make_scene: Callable[..., SceneSpec],
+    excitation: dict[str, Any],
+    member: str,
+    tmp_path: Path,
+) -> None:
+    snapshot = equilibrated()[2]
+    thermostat = {"friction_per_ps": 5.0}
+    scene = make_scene(snapshot, excitation, HELD, thermostat, helical=True)
+    kill_and_compare(snapshot, scene, member, tmp_path, 3)
 
 
 def test_where_checkpoints_are_kept_does_not_change_the_result(

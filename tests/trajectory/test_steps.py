@@ -41,12 +41,12 @@ def simulate(relaxed: Any, make_scene: Callable[..., SceneSpec], tmp_path: Path)
             tmp_path / "scene.json",
             relaxed.built_file,
             relaxed.relaxed_file,
-            relaxed.hessian_file,
             member,
             tmp_path / "out" / "motion.nc",
             trajectory,
             [fitted] if fitted else [],
             threads=1,
+            hessian=relaxed.hessian_file if excitation["kind"] == "static" else None,
         )
         return tmp_path / "out" / "motion.nc"
 
@@ -119,7 +119,7 @@ def test_a_command_that_is_killed_goes_on_and_leaves_no_checkpoints(
     write_json(tmp_path / "scene.json", scene.model_dump(mode="json"))
 
     def start(output: Path) -> subprocess.Popen[str]:
-        files = (relaxed.built_file, relaxed.relaxed_file, relaxed.hessian_file)
+        files = (relaxed.built_file, relaxed.relaxed_file)
         arguments = ["simulate", tmp_path / "scene.json", *files, "--member", "x1"]
         command = [sys.executable, "-c", COMMAND, *arguments, "--output", output]
         command += ["--trajectory", output.with_name("trajectory")]

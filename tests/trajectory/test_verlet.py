@@ -8,8 +8,16 @@ import pytest
 from numpy.typing import NDArray
 
 from dnawaves.rod.oscillator import gaussian_pulse_response, sine_drive_response
+from dnawaves.system.effects.thermostat import langevin_middle
 from dnawaves.trajectory.dynamics import Dynamics, Saved
-from dnawaves.trajectory.verlet import driven_leapfrog, gaussian_course, leapfrog, sine_course
+from dnawaves.trajectory.verlet import (
+    driven_leapfrog,
+    gaussian_course,
+    leapfrog,
+    sine_course,
+    steps_per_sum,
+)
+from dnawaves.units import BOLTZMANN_KJ_PER_MOL_K
 
 Array = NDArray[np.float64]
 MASS_DA, FREQUENCY_PER_PS = 12.0, 3.0
@@ -99,6 +107,32 @@ def test_driven_leapfrog_without_a_drive_is_the_leapfrog() -> None:
     np.testing.assert_allclose(plain.state(), driven.state(), atol=1e-12)
 
 
+def test_kinetic_energy_is_the_thermostats_also_of_stiff_bonds() -> None:
+    """A thousand particles on springs as stiff as bonds to hydrogen, 1.1 rad in a step."""
+    count, omega_per_ps, timestep_ps, temperature_K = 1000, 550.0, 0.002, 300.0
+    system = openmm.System()
+    springs = openmm.CustomExternalForce(f"0.5*{omega_per_ps**2}*(x^2 + y^2 + z^2)")
+    for index in range(count):
+        system.addParticle(1.0)
+        springs.addParticle(index)
+    system.addForce(springs)
+    one = Dynamics(system, langevin_middle(temperature_K, 50.0, timestep_ps, 1), seeds=(1,))
+    one.start(np.zeros((count, 3)), np.zeros((count, 3)))
+    one.step(100)  # ten times the time in which friction forgets the cold start
+    thermal = 1.5 * count * BOLTZMANN_KJ_PER_MOL_K * temperature_K
+    found, at_places = [], []
+    for _ in range(50):
+        one.step(10)
+        frame = one.frame()
+        found.append(frame.late_kinetic_kJ_per_mol / thermal)
+        at_places.append(0.5 * np.sum(frame.velocities_nm_per_ps**2) / thermal)
+    # sqrt(2/3000) = 2.6 % in a frame, 50 frames of which every other is independent: 0.5 %.
+    assert np.mean(found) == pytest.approx(1, abs=0.02)
+    # Velocities at the time of the positions are the means of two half a step from it.
+    expected = 1 - (omega_per_ps * timestep_ps) ** 2 / 4
+    assert np.mean(at_places) == pytest.approx(expected, abs=0.02)
+
+
 def test_motion_runs_back_to_its_start() -> None:
     oscillator = Oscillator(leapfrog(0.02))
     oscillator.start(START_NM, 0.3)
@@ -180,6 +214,28 @@ def test_pulse_delivers_its_impulse() -> None:
     # A free particle's energy is the work, p²/2m; at five widths the pulse has 4e-6 of its height.
     work = oscillator.dynamics.drive_variable("work")
     assert work == pytest.approx(impulse**2 / (2 * MASS_DA), rel=1e-5)
+
+
+@pytest.mark.parametrize("steps", [1, 2, 5])
+def test_work_is_summed_often_enough_for_the_shortest_pulse(steps: int) -> None:
+    # A scene's pulse is at least ten timesteps wide.
+    timestep_ps, force = 0.002, 3.0
+    width_ps = 10 * timestep_ps
+    course = gaussian_course(5 * width_ps, width_ps)
+    integrator = driven_leapfrog(timestep_ps, course, steps_per_sum=steps)
+    oscillator = Oscillator(integrator, stiffness=0.0, drive=force)
+    oscillator.dynamics.step(100)
+    impulse = force * width_ps * np.sqrt(2 * np.pi)
+    work = oscillator.dynamics.drive_variable("work")
+    # Of fourth order in the interval, (steps/10)⁴/50 = 1.2e-3 at most; the lost tails hold 1e-5.
+    assert work == pytest.approx(impulse**2 / (2 * MASS_DA), rel=(steps / 10) ** 4 / 50 + 2e-5)
+
+
+def test_a_frame_ends_with_a_sum_of_the_work() -> None:
+    for steps_per_frame in range(1, 200):
+        steps = steps_per_sum(steps_per_frame)
+        assert steps_per_frame % steps == 0
+    assert steps_per_sum(33) == 3 and steps_per_sum(31) == 1 and steps_per_sum(100) == 5
 
 
 def test_pulsed_oscillator_follows_its_closed_form() -> None:

@@ -27,8 +27,8 @@ from dnawaves.files import read_json, write_json
 from dnawaves.trajectory.dynamics import Saved
 
 Frames = dict[str, NDArray[Any]]
-# Steps times atoms between two checkpoints: about 20 s on one core at 1 µs each. Not a probe's
-# time: then two runs of the same scene would differ in the last digits.
+# Steps times atoms between two checkpoints: about 20 s on one core at 1 µs each, in water a minute
+# or two. Not a probe's time: then two runs of the same scene would differ in the last digits.
 ATOM_STEPS = 2e7
 
 

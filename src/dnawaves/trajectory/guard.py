@@ -39,19 +39,25 @@ class Guard:
         try:
             one.step(steps)
             frame, injected = one.frame()
-            if not exploded(frame.velocities_nm_per_ps):
+            velocities = frame.velocities_nm_per_ps
+            if not exploded(velocities):
                 return frame, injected
         except openmm.OpenMMException as error:
-            if good is None or not exploded(one.dynamics.late_velocities()):
+            velocities = one.dynamics.late_velocities()
+            if good is None or not exploded(velocities):
                 raise
             cause = error
         if good is None:
-            worst = self._worst(frame.velocities_nm_per_ps, frame.forces)
+            worst = self._worst(velocities, frame.forces)
             raise SimulationError(f"{self.title}: at the start {worst}")
-        raise self._explain(one, good, steps) from cause
+        raise self._explain(one, good, steps, velocities) from cause
 
-    def _explain(self, one: Copy, good: Saved, steps: int) -> SimulationError:
-        """Return the error, after doing the steps since the last frame again one by one."""
+    def _explain(self, one: Copy, good: Saved, steps: int, seen: Array) -> SimulationError:
+        """Return the error, after doing the steps since the last frame again one by one.
+
+        With other noise than before it may not explode again: then by the velocities that were
+        `seen` at the end of those steps.
+        """
         dynamics = one.dynamics
         dynamics.restore(good)
         for _ in range(steps):
@@ -59,11 +65,14 @@ class Guard:
             dynamics.step(1)
             velocities = dynamics.late_velocities()
             if exploded(velocities):
+                where = f"in step {frame.saved.state.getStepCount() + 1}"
                 break
+        else:
+            dynamics.restore(good)
+            frame, velocities, where = dynamics.frame(), seen, f"within {steps} steps"
         state = frame.saved.state
-        time_ps, step = state.getTime()._value, state.getStepCount() + 1
         worst = self._worst(velocities, frame.forces)
-        message = f"{self.title}: after {time_ps:.3f} ps, in step {step}, {worst}"
+        message = f"{self.title}: after {state.getTime()._value:.3f} ps, {where}, {worst}"
         if self.kept is not None:
             write_text(self.kept, openmm.XmlSerializer.serialize(state))
             message += f"; the last good state is in {self.kept}"

@@ -11,12 +11,12 @@ from dnawaves.rod.oscillator import (
     impulse_response,
     sine_drive_response,
 )
-from dnawaves.scene.excitations import Kick, Periodic, Pulse, StandingWave
+from dnawaves.scene.excitations import PULSE_DELAY_WIDTHS, Kick, Periodic, Pulse, StandingWave
 from dnawaves.scene.models import SceneSpec
 from dnawaves.system.duplex import SimulatedDuplex
 from dnawaves.system.modes import NormalModes
 from dnawaves.trajectory.pattern import forces_at_full_strength, kick_pattern
-from dnawaves.trajectory.plan import PULSE_DELAY_WIDTHS, Plan
+from dnawaves.trajectory.plan import Plan
 from dnawaves.trajectory.record import SIGNS, injected_momenta, motion_dataset
 
 Array = NDArray[np.float64]

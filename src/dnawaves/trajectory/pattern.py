@@ -34,9 +34,9 @@ class Pattern:
     angular: Array
 
     def velocities(self, duplex: SimulatedDuplex) -> Array:
-        """Return the velocities of the atoms, (atoms, 3) in nm/ps."""
+        """Return the velocities of the duplex's atoms, (solute, 3) in nm/ps."""
         along, about = directions(duplex, self.wave)
-        arms = duplex.positions_nm - duplex.pivots_nm[duplex.pairs]
+        arms = duplex.positions_nm[: duplex.solute] - duplex.pivots_nm[duplex.pairs]
         return self.linear[duplex.pairs, None] * along + self.angular[
             duplex.pairs, None
         ] * np.cross(about, arms)
@@ -58,15 +58,15 @@ def kick_pattern(excitation: Kick | StandingWave, ends: Ends, pairs: int) -> Pat
 def forces_at_full_strength(
     excitation: Pulse | Periodic, ends: Ends, duplex: SimulatedDuplex
 ) -> Array:
-    """Return the forces (atoms, 3) in kJ/mol/nm at full strength.
+    """Return the forces on the duplex's atoms, (solute, 3), in kJ/mol/nm at full strength.
 
     The excited base pairs are accelerated as rigid bodies; the forces add up to the declared
     total force, or the torques about the pivots to the declared total torque.
     """
     unit = _local_pattern(excitation, ends, duplex.pair_count, 1.0)
-    forces = duplex.masses_Da[:, None] * unit.velocities(duplex)
+    forces = duplex.masses_Da[: duplex.solute, None] * unit.velocities(duplex)
     along, about = directions(duplex, excitation.wave)
-    arms = duplex.positions_nm - duplex.pivots_nm[duplex.pairs]
+    arms = duplex.positions_nm[: duplex.solute] - duplex.pivots_nm[duplex.pairs]
     if excitation.wave in ("extension", "shear"):
         total = float(np.sum(forces @ along))
     else:

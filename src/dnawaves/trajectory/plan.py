@@ -1,4 +1,4 @@
-"""How long a run lasts, how often it is recorded, and the frequencies that drive it."""
+"""How long a run lasts and how often it is recorded."""
 
 from __future__ import annotations
 
@@ -8,18 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from dnawaves.errors import InputError
-from dnawaves.rod.rod import Rod, short_wave_speeds_A_per_ps
-from dnawaves.scene.excitations import Periodic, Pulse
+from dnawaves.scene.excitations import PULSE_DELAY_WIDTHS, Periodic, Pulse
 from dnawaves.scene.models import SceneSpec
+from dnawaves.trajectory.drive import drive_of
 
 # Samples in one period of the fastest wave, twice what resolves it and some to spare.
 SAMPLES_PER_PERIOD = 10
 # A pulse this many crossing times of one base-pair step wide biases the speed by about 1 %:
 # error = a² / (16 σ² V²).
 PULSE_STEPS = 2.5
-SWEEP_MARGIN = 1.3
-# A pulse is centred this many widths after the start, where it has come up from zero.
-PULSE_DELAY_WIDTHS = 5
 
 
 @dataclass(frozen=True)
@@ -32,6 +29,7 @@ class Plan:
     frequency_GHz: float | None = None
     pulse_width_ps: float | None = None
     ramp_ps: float = 0.0
+    drive_mode: int | None = None
 
     @property
     def interval_ps(self) -> float:
@@ -64,7 +62,8 @@ def make_plan(
     Raises
     ------
     InputError
-        When the member is not one of the scene's, or the frames are too rare for the drive.
+        When the member is not one of the scene's, the frames are too rare for the drive, or the
+        record ends before the pulse is at its height.
     """
     if member not in scene.members:
         raise InputError(
@@ -77,20 +76,21 @@ def make_plan(
     fastest = max(estimates_A_per_ps.values())
     # Period at the edge of the base-pair lattice's band: pi a / V.
     interval_ps = np.pi * spacing_A / fastest / SAMPLES_PER_PERIOD
-    frequency_GHz, ramp_ps = None, 0.0
+    drive = None
     if isinstance(excitation, Periodic):
-        frequency_GHz = drive_frequencies_GHz(excitation, length_A, fitted_speeds_A_per_ps)[
-            scene.members.index(member)
-        ]
-        ramp_ps = excitation.ramp_periods * 1e3 / frequency_GHz
-        interval_ps = min(interval_ps, 1e3 / frequency_GHz / SAMPLES_PER_PERIOD)
+        drive = drive_of(
+            scene, member, estimates_A_per_ps, length_A, spacing_A, fitted_speeds_A_per_ps
+        )
+        interval_ps = min(interval_ps, drive.period_ps / SAMPLES_PER_PERIOD)
+        if excitation.periods is not None:
+            duration_ps = excitation.periods * drive.period_ps
     if observation.interval_fs is not None:
         interval_ps = observation.interval_fs / 1e3
-        if frequency_GHz is not None and frequency_GHz >= 500 / interval_ps:
+        if drive is not None and interval_ps >= drive.period_ps / 2:
             raise InputError(
                 f"scene '{scene.name}': observation.interval_fs: found "
-                f"{observation.interval_fs:g}; allowed: below {5e5 / frequency_GHz:g}, the "
-                f"Nyquist limit of the drive at {frequency_GHz:g} GHz"
+                f"{observation.interval_fs:g}; allowed: below {500 * drive.period_ps:g}, the "
+                f"Nyquist limit of the drive at {drive.frequency_GHz:g} GHz"
             )
     pulse_width_ps = None
     if isinstance(excitation, Pulse):
@@ -99,31 +99,14 @@ def make_plan(
         )
         if observation.duration_ps is None:
             duration_ps += 2 * PULSE_DELAY_WIDTHS * pulse_width_ps
+        elif duration_ps <= PULSE_DELAY_WIDTHS * pulse_width_ps:
+            raise InputError(
+                f"scene '{scene.name}': observation.duration_ps: found {duration_ps:g}; allowed: "
+                f"above {PULSE_DELAY_WIDTHS * pulse_width_ps:.3g}, when the pulse is at its height"
+            )
     timestep_ps = observation.timestep_fs / 1e3
     steps_per_frame = max(1, int(interval_ps / timestep_ps + 1e-9))
     frames = int(np.ceil(duration_ps / (steps_per_frame * timestep_ps) - 1e-9)) + 1
-    return Plan(timestep_ps, steps_per_frame, frames, frequency_GHz, pulse_width_ps, ramp_ps)
-
-
-def drive_frequencies_GHz(
-    excitation: Periodic, length_A: float, fitted_speeds_A_per_ps: Sequence[float]
-) -> tuple[float, ...]:
-    """Return the frequencies of a periodic scene.
-
-    A sweep spans the lowest modes V/2L of the paper's rod and of the fitted ones with a margin.
-    """
-    if excitation.frequencies_GHz is not None:
-        return excitation.frequencies_GHz
-    assert excitation.sweep is not None
-    wanted = excitation.sweep.scenes
-    if len(fitted_speeds_A_per_ps) != len(wanted):
-        raise InputError(
-            f"excitation.sweep: found {len(fitted_speeds_A_per_ps)} fitted speeds; "
-            f"allowed: one for each of {', '.join(wanted)}"
-        )
-    paper = short_wave_speeds_A_per_ps(Rod.paper())[excitation.wave]
-    modes_GHz = [1e3 * speed / (2 * length_A) for speed in (paper, *fitted_speeds_A_per_ps)]
-    sweep = np.linspace(
-        min(modes_GHz) / SWEEP_MARGIN, max(modes_GHz) * SWEEP_MARGIN, excitation.sweep.points
-    )
-    return tuple(float(frequency) for frequency in sweep)
+    driven = (drive.frequency_GHz, drive.ramp_ps, drive.mode) if drive else (None, 0.0, None)
+    frequency_GHz, ramp_ps, mode = driven
+    return Plan(timestep_ps, steps_per_frame, frames, frequency_GHz, pulse_width_ps, ramp_ps, mode)

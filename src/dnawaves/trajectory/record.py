@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -33,8 +34,10 @@ class Recorder:
         plan: Plan,
         signs: tuple[int, ...],
         keep_atoms: bool = False,
+        platform: str = "CPU",
     ) -> None:
         self._duplex, self._scene, self._plan, self._signs = duplex, scene, plan, signs
+        self._platform = platform
         self._atoms = base_atoms(duplex) if keep_atoms else None
         self._frames: dict[str, list[NDArray[Any]]] = {}
 
@@ -46,12 +49,16 @@ class Recorder:
         states: list[State],
         work_kJ_per_mol: list[float],
         momenta: Sequence[Array] | None = None,
+        temperatures_K: Sequence[float] | None = None,
     ) -> None:
         """Record one frame: for each sign the state, the drive's work and what was put in.
 
-        `momenta` are momentum (Da nm/ps) and angular momentum about the origin (Da nm²/ps), (2, 3).
+        Of the states only the duplex's atoms matter, which come first: what has gone over into
+        water is lost to the wave. `momenta` are momentum (Da nm/ps) and angular momentum about the
+        origin (Da nm²/ps), (2, 3); `temperatures_K` those of all that moves, above 0 K.
         """
-        bodies = self._duplex.bodies
+        bodies, atoms = self._duplex.bodies, slice(self._duplex.solute)
+        states = [(positions[atoms], v[atoms], energy) for positions, v, energy in states]
         half = antisymmetric([velocities for _, velocities, _ in states])
         frame = {
             "motion": [
@@ -60,10 +67,12 @@ class Recorder:
             ],
             "energy": [energy for _, _, energy in states],
             "work": work_kJ_per_mol,
-            "difference_energy": 0.5 * np.sum(self._duplex.masses_Da[:, None] * half**2),
+            "difference_energy": 0.5 * np.sum(self._duplex.masses_Da[atoms, None] * half**2),
         }
         if momenta is not None:
             frame["momenta"] = momenta
+        if temperatures_K is not None:
+            frame["temperature"] = temperatures_K
         for name, value in frame.items():
             self._frames.setdefault(name, []).append(np.array(value))
         if self._atoms is not None:
@@ -109,8 +118,25 @@ class Recorder:
         )
         if "momenta" in frames:
             dataset = dataset.assign(injected_momenta(frames["momenta"].transpose(2, 1, 0, 3)))
-        dataset.attrs |= {"timestep_fs": self._plan.timestep_ps * 1e3, "platform": "CPU"}
+        if "temperature" in frames:
+            kelvin = {
+                "units": "K",
+                "long_name": "kinetic temperature of all that moves, half a step before the frame",
+            }
+            dataset["kinetic_temperature_K"] = (("sign", "time"), frames["temperature"].T, kelvin)
+        dataset.attrs |= {"timestep_fs": self._plan.timestep_ps * 1e3, "platform": self._platform}
+        dataset.attrs |= thermal_attributes(self._scene)
         return dataset
+
+
+def thermal_attributes(scene: SceneSpec) -> dict[str, float]:
+    """Return the temperature of a scene above 0 K, and its thermostat's friction if it has one."""
+    found = {}
+    if scene.system.thermal:
+        found["temperature_K"] = scene.system.environment.temperature_K
+    if scene.thermostat is not None:
+        found["thermostat_friction_per_ps"] = scene.thermostat.friction_per_ps
+    return found
 
 
 def motion_dataset(
@@ -184,6 +210,7 @@ def motion_dataset(
                 if plan.frequency_GHz
                 else {}
             ),
+            **({"drive_mode": plan.drive_mode} if plan.drive_mode else {}),
             **({"pulse_width_ps": plan.pulse_width_ps} if plan.pulse_width_ps else {}),
             **provenance("openmm", "numpy"),
         },
@@ -222,5 +249,10 @@ def base_atoms(duplex: SimulatedDuplex) -> NDArray[np.intp]:
     """Return the indices of the atoms that base frames need: the rings, and C1' for pairing."""
     ring = {"N1", "C2", "N3", "C4", "C5", "C6", "N7", "C8", "N9", "C1'"}
     return np.array(
-        [atom.index for atom in duplex.topology.atoms() if atom.name in ring], dtype=np.intp
+        [
+            atom.index
+            for atom in islice(duplex.topology.atoms(), duplex.solute)
+            if atom.name in ring
+        ],
+        dtype=np.intp,
     )

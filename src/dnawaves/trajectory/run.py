@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -10,16 +11,18 @@ from typing import Any
 import openmm
 
 from dnawaves.files import provenance
-from dnawaves.scene.excitations import Kick, StandingWave
+from dnawaves.scene.excitations import Kick, StandingWave, Static
 from dnawaves.scene.models import SceneSpec
 from dnawaves.system.duplex import SimulatedDuplex
 from dnawaves.trajectory.checkpoint import Checkpoints, digest, frames_between
-from dnawaves.trajectory.dynamics import Saved
+from dnawaves.trajectory.dynamics import Frame, Saved
 from dnawaves.trajectory.guard import Guard
+from dnawaves.trajectory.integrator import integrator_of
 from dnawaves.trajectory.plan import Plan
 from dnawaves.trajectory.progress import progress
 from dnawaves.trajectory.record import SIGNS, Recorder
-from dnawaves.trajectory.signed_copy import Copy, integrator_of
+from dnawaves.trajectory.signed_copy import Copy
+from dnawaves.units import BOLTZMANN_KJ_PER_MOL_K
 
 
 def run_member(
@@ -31,6 +34,7 @@ def run_member(
     threads: int = 1,
     checkpoints: Path | None = None,
     frames_per_checkpoint: int | None = None,
+    platform: str = "CPU",
 ) -> Recorder:
     """Simulate one member and return what was recorded.
 
@@ -47,17 +51,23 @@ def run_member(
     """
     signs = tuple(SIGNS[name] for name in scene.signs)
     scale = kick_scale(scene, member)
-    copies = [Copy(duplex, scene, plan, sign * scale, threads) for sign in signs]
+    snapshot = snapshot_of(member)
+    copies = [
+        Copy(duplex, scene, plan, sign * scale, threads, platform, snapshot) for sign in signs
+    ]
     title = f"{scene.name} {member}"
     every = frames_per_checkpoint or frames_between(
         len(duplex.masses_Da), len(copies), plan.steps_per_frame
     )
-    recorder = Recorder(duplex, scene, plan, signs, keep_atoms=bool(trajectories))
+    recorder = Recorder(
+        duplex, scene, plan, signs, keep_atoms=bool(trajectories), platform=platform
+    )
     good: list[Saved | None] = [None for _ in copies]
     store = None
     if checkpoints is not None:
         run = _description(duplex, scene, plan) | {
             "member": member,
+            "platform": platform,
             "threads": threads,
             "base_atoms": bool(trajectories),
             "frames_per_checkpoint": every,
@@ -86,6 +96,7 @@ def run_member(
                 [(f.positions_nm, f.velocities_nm_per_ps, f.energy_kJ_per_mol) for f, _ in found],
                 [injected.work_kJ_per_mol for _, injected in found],
                 [injected.momenta for _, injected in found],
+                _temperatures_K(scene, copies, [frame for frame, _ in found]),
             )
             if index:
                 advance(index * interval_ps)
@@ -101,19 +112,44 @@ def run_member(
 
 
 def kick_scale(scene: SceneSpec, member: str) -> float:
-    """Return the multiple of the kick that a member stands for; 1 where nothing is scaled."""
-    return float(member[1:]) if isinstance(scene.excitation, Kick | StandingWave) else 1.0
+    """Return the multiple of the kick or load that a member stands for; 1 where nothing scales."""
+    if not isinstance(scene.excitation, Kick | StandingWave | Static):
+        return 1.0
+    return float(member[1:].split("r")[0])
+
+
+def snapshot_of(member: str) -> int:
+    """Return the number of the equilibrated snapshot that a member starts from, as 2 in `x0.5r2`.
+
+    0 at T = 0, where there is none.
+    """
+    _, _, number = member.rpartition("r")
+    return int(number) if number.isdigit() else 0
+
+
+def _temperatures_K(
+    scene: SceneSpec, copies: Sequence[Copy], frames: Sequence[Frame]
+) -> list[float] | None:
+    if not scene.system.thermal:
+        return None
+    return [
+        2
+        * frame.late_kinetic_kJ_per_mol
+        / (one.dynamics.degrees_of_freedom * BOLTZMANN_KJ_PER_MOL_K)
+        for one, frame in zip(copies, frames, strict=True)
+    ]
 
 
 def _description(duplex: SimulatedDuplex, scene: SceneSpec, plan: Plan) -> dict[str, Any]:
     """Return what defines a run, by nothing that another machine would round differently."""
     serialize = openmm.XmlSerializer.serialize
+    velocities = duplex.velocities_nm_per_ps
     return {
         "scene": digest(scene.model_dump_json()),
         "plan": asdict(plan),
         "positions": digest(duplex.positions_nm.tobytes()),
+        "velocities": "" if velocities is None else digest(velocities.tobytes()),
         "system": digest(serialize(duplex.system)),
-        "integrator": digest(serialize(integrator_of(scene.excitation, plan))),
-        "platform": "CPU",
+        "integrator": digest(serialize(integrator_of(scene, plan))),
         **provenance("openmm", "numpy"),
     }

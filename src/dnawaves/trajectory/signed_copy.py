@@ -1,8 +1,9 @@
-"""One copy of a duplex at T = 0, kicked or driven with one sign."""
+"""One copy of a duplex at its minimum or in a snapshot, kicked or driven with one sign."""
 
 from __future__ import annotations
 
 import copy
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,12 +12,14 @@ from numpy.typing import NDArray
 
 from dnawaves.scene.excitations import Kick, Periodic, Pulse, StandingWave
 from dnawaves.scene.models import SceneSpec
-from dnawaves.scene.pairs import held_pairs
+from dnawaves.scene.pairs import fixed_pairs, held_pairs
 from dnawaves.system.duplex import SimulatedDuplex
+from dnawaves.system.effects.constraints import refuse_constraints_on_frozen
+from dnawaves.system.effects.ends import restraint
 from dnawaves.trajectory.dynamics import Dynamics, Frame, Saved
+from dnawaves.trajectory.integrator import integrator_of
 from dnawaves.trajectory.pattern import forces_at_full_strength, kick_pattern
-from dnawaves.trajectory.plan import PULSE_DELAY_WIDTHS, Plan
-from dnawaves.trajectory.verlet import driven_leapfrog, gaussian_course, leapfrog, sine_course
+from dnawaves.trajectory.plan import Plan
 
 Array = NDArray[np.float64]
 
@@ -33,27 +36,45 @@ class Injected:
 
 
 class Copy:
-    """One simulated copy of a duplex; held base pairs have no mass."""
+    """One simulated copy of a duplex; held base pairs have no mass, restrained ones springs.
+
+    Copies of one scene and `snapshot` share thermal velocities and, with a thermostat, noise.
+    """
 
     def __init__(
-        self, duplex: SimulatedDuplex, scene: SceneSpec, plan: Plan, scale: float, threads: int
+        self,
+        duplex: SimulatedDuplex,
+        scene: SceneSpec,
+        plan: Plan,
+        scale: float,
+        threads: int,
+        platform: str = "CPU",
+        snapshot: int = 0,
     ) -> None:
-        excitation = scene.excitation
-        velocities = np.zeros_like(duplex.positions_nm)
-        self._drive: Array | None = None
+        excitation, atoms = scene.excitation, slice(duplex.solute)
+        system = system_of(duplex, scene)
+        kick, self._drive = np.zeros_like(duplex.positions_nm), None
         if isinstance(excitation, Kick | StandingWave):
-            kick = kick_pattern(excitation, scene.ends, duplex.pair_count)
-            velocities = scale * kick.velocities(duplex)
+            pattern = kick_pattern(excitation, scene.ends, duplex.pair_count)
+            kick[atoms] = scale * pattern.velocities(duplex)
         elif isinstance(excitation, Pulse | Periodic):
-            self._drive = scale * forces_at_full_strength(excitation, scene.ends, duplex)
+            self._drive = np.zeros_like(duplex.positions_nm)
+            self._drive[atoms] = scale * forces_at_full_strength(excitation, scene.ends, duplex)
+        velocities = kick
+        if duplex.velocities_nm_per_ps is not None:
+            held = np.isin(duplex.pairs, held_pairs(scene.ends, duplex.pair_count))
+            velocities = kick + duplex.velocities_nm_per_ps
+            velocities[atoms][held] = 0.0
         self.dynamics = Dynamics(
-            hold(duplex, held_pairs(scene.ends, duplex.pair_count)),
-            integrator_of(excitation, plan),
+            system,
+            integrator_of(scene, plan),
             self._drive,
+            platform=platform,
             threads=threads,
+            seeds=None if scene.thermostat is None else (scene.thermostat.seed, snapshot),
         )
         self.dynamics.start(duplex.positions_nm, velocities)
-        self._momenta = moments(duplex.positions_nm, duplex.masses_Da[:, None] * velocities)
+        self._momenta = moments(duplex.positions_nm, duplex.masses_Da[:, None] * kick)
         self._impulse_ps, self._load = 0.0, self._load_on(duplex.positions_nm)
 
     def step(self, steps: int) -> None:
@@ -94,23 +115,34 @@ def moments(positions_nm: Array, vectors: Array) -> Array:
     return np.array([vectors.sum(axis=0), np.cross(positions_nm, vectors).sum(axis=0)])
 
 
-def hold(duplex: SimulatedDuplex, held: list[int]) -> openmm.System:
-    """Return a copy of the System in which the atoms of the held base pairs cannot move."""
-    system = copy.deepcopy(duplex.system)
-    for atom in np.flatnonzero(np.isin(duplex.pairs, held)):
-        system.setParticleMass(int(atom), 0.0)
+def system_of(duplex: SimulatedDuplex, scene: SceneSpec) -> openmm.System:
+    """Return a copy of the System with the scene's ends held by no mass, or by springs.
+
+    The springs are at rest where the duplex is. Raises `InputError` where a constraint would touch
+    an atom that is held.
+    """
+    ends, pairs = scene.ends, duplex.pair_count
+    held = held_pairs(ends, pairs)
+    system = hold(duplex, held)
+    refuse_constraints_on_frozen(system, duplex.topology)
+    if ends.stiffness_pN_per_nm is not None:
+        restrained = [pair for pair in fixed_pairs(ends, pairs) if pair not in held]
+        springs = restraint(
+            duplex.positions_nm,
+            duplex.masses_Da,
+            duplex.pairs,
+            restrained,
+            ends.stiffness_pN_per_nm,
+            periodic=duplex.box_nm is not None,
+        )
+        springs.setName("restraint")
+        system.addForce(springs)
     return system
 
 
-def integrator_of(excitation: object, plan: Plan) -> openmm.Integrator:
-    """Return the integrator that an excitation needs."""
-    if isinstance(excitation, Periodic):
-        assert plan.frequency_GHz is not None
-        return driven_leapfrog(plan.timestep_ps, sine_course(plan.frequency_GHz, plan.ramp_ps))
-    if isinstance(excitation, Pulse):
-        assert plan.pulse_width_ps is not None
-        width_ps = plan.pulse_width_ps
-        return driven_leapfrog(
-            plan.timestep_ps, gaussian_course(PULSE_DELAY_WIDTHS * width_ps, width_ps)
-        )
-    return leapfrog(plan.timestep_ps)
+def hold(duplex: SimulatedDuplex, held: Iterable[int]) -> openmm.System:
+    """Return a copy of the System in which the atoms of the held base pairs cannot move."""
+    system = copy.deepcopy(duplex.system)
+    for atom in np.flatnonzero(np.isin(duplex.pairs, list(held))):
+        system.setParticleMass(int(atom), 0.0)
+    return system

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import scipy.sparse
 
@@ -13,15 +15,19 @@ from dnawaves.errors import InputError
 from dnawaves.files import read_netcdf, write_netcdf
 from dnawaves.scene.excitations import Static
 from dnawaves.scene.load import read_scene
+from dnawaves.scene.models import SceneSpec
 from dnawaves.scene.pairs import held_counts, span
+from dnawaves.system.duplex import SimulatedDuplex
 from dnawaves.system.modes_file import read_modes
 from dnawaves.system.relax import read_relaxed
+from dnawaves.system.snapshots import read_equilibrated, read_mean
 from dnawaves.trajectory.checkpoint import checkpoint_folder
+from dnawaves.trajectory.dynamics import find_platform
 from dnawaves.trajectory.harmonic import respond
 from dnawaves.trajectory.load import relax_under_load
 from dnawaves.trajectory.plan import make_plan
 from dnawaves.trajectory.record import SIGNS
-from dnawaves.trajectory.run import kick_scale, run_member
+from dnawaves.trajectory.run import kick_scale, run_member, snapshot_of
 
 # Estimators whose speed a sweep may start from.
 FITTED = ("waveform", "standing wave")
@@ -30,36 +36,39 @@ FITTED = ("waveform", "standing wave")
 def simulate_step(
     scene_json: Path,
     built: Path,
-    relaxed: Path,
-    hessian: Path,
+    start: Path,
     member: str,
     output: Path,
     trajectory: Path | None,
     fitted: Sequence[Path],
     threads: int,
+    hessian: Path | None = None,
     modes: Path | None = None,
+    platform: str = "CPU",
 ) -> None:
     """Simulate one member of a scene; write its motion and, if asked for, its trajectories.
 
     A run that was killed goes on from the folder of checkpoints beside the output.
 
-    `hessian` is read for a static load only, `modes` for a harmonic scene only. `trajectory` is a
-    folder that gets one DCD file of base atoms for each sign; `fitted` are the tables of speeds of
-    the scenes that a sweep names.
+    `start` is the relaxed minimum, or above 0 K the equilibrated snapshots. `hessian` is read for a
+    static load only, `modes` for a harmonic scene only. `trajectory` is a folder that gets one DCD
+    file of base atoms for each sign; `fitted` are the tables of speeds of the scenes that a sweep
+    names.
     """
     scene = read_scene(scene_json)
-    duplex = read_relaxed(scene.system, built, relaxed).with_added_mass(
-        {added.pair - 1: added.mass_Da for added in scene.masses}
-    )
-    attributes = read_netcdf(relaxed).attrs
+    find_platform(platform)
+    duplex = read_start(scene, built, start, member)
+    attributes = read_netcdf(start).attrs
     estimates = {
         wave: float(attributes[f"first_estimate_{wave}_A_per_ps"])
         for wave in ("extension", "twist")
     }
-    first, last = span(scene.ends, duplex.pair_count)
-    length_A = 10 * float(duplex.heights_nm[last] - duplex.heights_nm[first])
+    # The same for every snapshot, so that replicas can be averaged frame by frame.
+    typical = read_mean(scene.system, built, start) if scene.system.thermal else duplex
+    first, last = span(scene.ends, typical.pair_count)
+    length_A = 10 * float(typical.heights_nm[last] - typical.heights_nm[first])
     speeds = [_fitted_speed(one) for one in fitted]
-    plan = make_plan(scene, member, estimates, length_A, 10 * duplex.spacing_nm, speeds)
+    plan = make_plan(scene, member, estimates, length_A, 10 * typical.spacing_nm, speeds)
     if scene.method == "harmonic":
         if modes is None:
             raise InputError(f"scene '{scene.name}': method 'harmonic' needs the file of modes")
@@ -69,8 +78,12 @@ def simulate_step(
         write_netcdf(output, respond(duplex, shapes, scene, plan, scale, minimum))
         return
     if isinstance(scene.excitation, Static):
+        if hessian is None:
+            raise InputError(f"scene '{scene.name}': a static load needs the file of the Hessian")
         matrix = scipy.sparse.load_npz(hessian).toarray()
-        write_netcdf(output, relax_under_load(duplex, scene, plan, float(member[1:]), matrix))
+        write_netcdf(
+            output, relax_under_load(duplex, scene, plan, kick_scale(scene, member), matrix)
+        )
         return
     checkpoints, files = checkpoint_folder(output), {}
     if trajectory is not None:
@@ -78,13 +91,32 @@ def simulate_step(
         shutil.rmtree(partial, ignore_errors=True)
         partial.mkdir(parents=True)
         files = {SIGNS[name]: partial / f"{name}.dcd" for name in scene.signs}
-    recorder = run_member(duplex, scene, plan, member, files, threads, checkpoints)
+    recorder = run_member(
+        duplex, scene, plan, member, files, threads, checkpoints, platform=platform
+    )
     if trajectory is not None:
         shutil.rmtree(trajectory, ignore_errors=True)
         partial.rename(trajectory)
     write_netcdf(output, recorder.dataset())
     # Last: until then a killed run goes on from there.
     shutil.rmtree(checkpoints, ignore_errors=True)
+
+
+def read_start(scene: SceneSpec, built: Path, start: Path, member: str) -> SimulatedDuplex:
+    """Return the duplex that a member starts from: at its minimum, or in the member's snapshot."""
+    if scene.system.thermal:
+        duplex = read_equilibrated(scene.system, built, start, snapshot_of(member))
+    else:
+        duplex = read_relaxed(scene.system, built, start)
+    if not scene.masses:
+        return duplex
+    loaded = duplex.with_added_mass({added.pair - 1: added.mass_Da for added in scene.masses})
+    if duplex.velocities_nm_per_ps is None:
+        return loaded
+    # At the same temperature what is heavier is slower.
+    velocities, atoms = duplex.velocities_nm_per_ps.copy(), slice(duplex.solute)
+    velocities[atoms] *= np.sqrt(duplex.masses_Da[atoms] / loaded.masses_Da[atoms])[:, None]
+    return replace(loaded, velocities_nm_per_ps=velocities)
 
 
 def _fitted_speed(speeds: Path) -> float:
