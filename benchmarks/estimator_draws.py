@@ -15,19 +15,19 @@ from dnawaves.rod.modal import ModalChain
 from dnawaves.rod.oscillator import gaussian_pulse_response, sine_drive_response
 from dnawaves.rod.rod import Rod
 from dnawaves.rod.standing import axial_wavenumber
-from dnawaves.waves.correlation import first_peak_ps, lag_ps, threshold_ps
-from dnawaves.waves.detection import Detector
-from dnawaves.waves.equilibrium import equilibrium_response
-from dnawaves.waves.flight import fit_flight
-from dnawaves.waves.intervals import blocks
-from dnawaves.waves.lattice_fit import Observation, Value, fit_lattice
-from dnawaves.waves.lattices import AxialLattice, Lattice, RodLattice, ScalarLattice
-from dnawaves.waves.modal_fit import fit_modes
-from dnawaves.waves.noise import ColouredNoise, Noise, WhiteNoise, mode_directions
-from dnawaves.waves.resonance import fit_resonance
-from dnawaves.waves.sources import pulse
-from dnawaves.waves.synthetic import noise_sd_for_snr, thermal_velocity, white_noise
-from dnawaves.waves.whittle import whittle_fit
+from dnawaves.waves.estimators.correlation import first_peak_ps, lag_ps, threshold_ps
+from dnawaves.waves.estimators.detection import Detector
+from dnawaves.waves.estimators.equilibrium import equilibrium_response
+from dnawaves.waves.estimators.flight import fit_flight
+from dnawaves.waves.estimators.intervals import blocks
+from dnawaves.waves.estimators.lattice_fit import Observation, Value, fit_lattice
+from dnawaves.waves.estimators.lattices import AxialLattice, Lattice, RodLattice, ScalarLattice
+from dnawaves.waves.estimators.modal_fit import fit_modes
+from dnawaves.waves.estimators.noise import ColouredNoise, Noise, WhiteNoise, mode_directions
+from dnawaves.waves.estimators.resonance import fit_resonance
+from dnawaves.waves.estimators.sources import pulse
+from dnawaves.waves.estimators.synthetic import noise_sd_for_snr, thermal_velocity, white_noise
+from dnawaves.waves.estimators.whittle import whittle_fit
 
 Array = NDArray[np.float64]
 

@@ -8,15 +8,16 @@ import pytest
 from dnawaves.errors import InputError
 from dnawaves.rod.chain import ScalarChain
 from dnawaves.rod.oscillator import sine_drive_response
-from dnawaves.waves.correlation import first_peak_ps, lag_ps, threshold_ps
-from dnawaves.waves.equilibrium import equilibrium_response
-from dnawaves.waves.flight import fit_flight
-from dnawaves.waves.intervals import blocks, bootstrap_interval, correlation_inflation
-from dnawaves.waves.modal_fit import fit_modes
-from dnawaves.waves.resonance import fit_resonance, steady_answer
-from dnawaves.waves.ridges import ridges
-from dnawaves.waves.synthetic import thermal_velocity
-from dnawaves.waves.whittle import expected_periodogram, periodogram, whittle_fit
+from dnawaves.waves.cross_checks import LEAST_PEAK_OF_CHAIN
+from dnawaves.waves.estimators.correlation import arrival_ps, first_peak_ps, lag_ps, threshold_ps
+from dnawaves.waves.estimators.equilibrium import equilibrium_response
+from dnawaves.waves.estimators.flight import fit_flight
+from dnawaves.waves.estimators.intervals import blocks, bootstrap_interval, correlation_inflation
+from dnawaves.waves.estimators.modal_fit import fit_modes
+from dnawaves.waves.estimators.resonance import fit_resonance, steady_answer
+from dnawaves.waves.estimators.ridges import ridges
+from dnawaves.waves.estimators.synthetic import thermal_velocity
+from dnawaves.waves.estimators.whittle import expected_periodogram, periodogram, whittle_fit
 
 PAIRS, SPACING_NM, SPEED, FRICTION = 24, 0.34, 12.0, 0.15
 TIMES_PS = np.arange(0, 12, 0.1)
@@ -157,6 +158,20 @@ def test_lag_peak_and_threshold_of_a_delayed_gaussian() -> None:
     assert first_peak_ps(times, late) == pytest.approx(9.23, abs=2e-3)
     threshold = threshold_ps(times, late, np.exp(-0.5))
     assert threshold == pytest.approx(8.73, abs=5e-3)
+
+
+@pytest.mark.parametrize("pair", [20, 21])
+def test_a_front_arrives_before_its_larger_reflection(pair: int) -> None:
+    """Beside a held end a kick is followed by its mirror image, and both meet at the far end."""
+    chain = ScalarChain.from_speed(PAIRS, SPEED, SPACING_NM, [0, PAIRS - 1])
+    times_ps, pattern = np.arange(0, 14, 0.02), np.zeros(PAIRS)
+    pattern[1:4] = 0.1
+    velocity = chain.kick_response(times_ps, pattern)[1][:, pair]
+    arrived = arrival_ps(times_ps, velocity, LEAST_PEAK_OF_CHAIN)
+    assert arrived is not None
+    # The pick of a kick of three pairs is ahead by up to half of its width, 8 % of the way.
+    assert (pair - 2) * 10 * SPACING_NM / arrived == pytest.approx(SPEED, rel=0.08)
+    assert velocity[np.argmax(np.abs(velocity))] < 0
 
 
 def test_equilibrium_motion_tells_the_answer_to_an_impulse() -> None:

@@ -10,10 +10,10 @@ import pytest
 from dnawaves.errors import InputError
 from dnawaves.rod.chain import FiniteChain, ScalarChain
 from dnawaves.rod.rod import EXTENSION, TWIST, Rod
-from dnawaves.waves.lattice_fit import Observation, fit_lattice
-from dnawaves.waves.lattices import AxialLattice, RodLattice, ScalarLattice
-from dnawaves.waves.noise import WhiteNoise
-from dnawaves.waves.sources import drive, kick, pulse
+from dnawaves.waves.estimators.lattice_fit import Observation, fit_lattice
+from dnawaves.waves.estimators.lattices import AxialLattice, RodLattice, ScalarLattice
+from dnawaves.waves.estimators.noise import WhiteNoise
+from dnawaves.waves.estimators.sources import drive, kick, pulse
 
 PAIRS, SPACING_NM = 24, 0.34
 TIMES_PS = np.arange(0, 14, 0.15)

@@ -8,8 +8,8 @@ import pytest
 from dnawaves.errors import InputError
 from dnawaves.rod.chain import ScalarChain
 from dnawaves.rod.modal import impulse_response
-from dnawaves.waves.noise import ColouredNoise, WhiteNoise, mode_directions
-from dnawaves.waves.synthetic import thermal_velocity
+from dnawaves.waves.estimators.noise import ColouredNoise, WhiteNoise, mode_directions
+from dnawaves.waves.estimators.synthetic import thermal_velocity
 
 CHAIN = ScalarChain.from_speed(12, 8.19, 0.34)
 FRAMES, INTERVAL_PS, FRICTION = 150, 0.1, 0.4

@@ -11,7 +11,7 @@ import xarray as xr
 
 from dnawaves.files import write_netcdf
 from dnawaves.units import KJ_PER_MOL_PER_PN_NM
-from dnawaves.waves.segments import segment_table, segments_step
+from dnawaves.waves.constants.segments import segment_table, segments_step
 
 PAIRS = 16
 SPACING_A = 3.3

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from dnawaves.rod.chain import ScalarChain
-from dnawaves.waves.spectrum import frequency_wavenumber
+from dnawaves.waves.estimators.spectrum import frequency_wavenumber
 
 PAIRS, SPACING_NM, SPEED = 24, 0.34, 10.0
 

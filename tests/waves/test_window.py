@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from dnawaves.waves.window import FEWEST_FRAMES, usable_frames, windows
+from dnawaves.waves.estimators.window import FEWEST_FRAMES, usable_frames, windows
 
 
 def fields(kinetic: np.ndarray, put_in: np.ndarray) -> xr.Dataset:

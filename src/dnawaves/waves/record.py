@@ -1,8 +1,8 @@
-"""One recorded run as the estimators see it: fields, ends, spacing and the paper's rod."""
+"""One recorded run as the estimators see it: fields, ends, spacing and the paper's speeds."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -10,19 +10,19 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from dnawaves.motion.fields import wave_fields
-from dnawaves.rod.chain import PlaneChain, ScalarChain
 from dnawaves.rod.rod import Rod, short_wave_speeds_A_per_ps
+from dnawaves.rod.standing import Ends
 from dnawaves.scene.models import SceneSpec
-from dnawaves.scene.pairs import held_pairs, span
+from dnawaves.scene.pairs import fixed_pairs, span
 from dnawaves.units import A_PER_NM
-from dnawaves.waves.window import usable_frames
+from dnawaves.waves.estimators.window import usable_frames
 
 Array = NDArray[np.float64]
 
 AXIAL_WAVES = ("extension", "twist")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Record:
     """A recorded member of a scene."""
 
@@ -56,8 +56,8 @@ class Record:
 
     @property
     def held(self) -> list[int]:
-        """Indices of the base pairs that do not move."""
-        return held_pairs(self.scene.ends, self.pairs)
+        """Indices of the base pairs at which a wave is reflected: held or restrained."""
+        return fixed_pairs(self.scene.ends, self.pairs)
 
     @property
     def length_A(self) -> float:
@@ -76,6 +76,14 @@ class Record:
         return span(self.scene.ends, self.pairs)
 
     @property
+    def ends(self) -> Ends:
+        """How the chain of base pairs that a wave can reach ends."""
+        first, last = (pair in self.held for pair in self.span)
+        if first and last:
+            return "held"
+        return "one_held" if first or last else "free"
+
+    @property
     def free_length_A(self) -> float:
         """Distance between the innermost held base pairs."""
         height = self.motion["height"].values
@@ -84,36 +92,17 @@ class Record:
 
     def inertia_Da_A2(self, direction: str) -> float:
         """Mean moment of inertia of a base pair about a direction through the helix axis."""
+        return float(np.mean(self.inertias_Da_A2(direction)))
+
+    def inertias_Da_A2(self, direction: str) -> Array:
+        """Moment of inertia (pair,) of each base pair about a direction through the helix axis."""
         axis = self.motion["direction"].sel(axis=direction).values
         own = np.einsum("x,pxy,y->p", axis, self.motion["inertia"].values, axis)
         arm = self.motion["centre"].values - self.motion["pivot"].values
         arm = arm - np.outer(arm @ axis, axis)
-        return float(np.mean(own + self.motion["mass"].values * np.sum(arm**2, axis=1)))
-
-    def paper_velocity(self, wave: str, times_ps: Array) -> Array:
-        """Velocity field (time, pair) that the paper's rod shows after the same kick.
-
-        On the lattice with this duplex's spacing and ends.
-        """
-        return _kicked_rod(self, wave, times_ps)
+        return np.asarray(own + self.motion["mass"].values * np.sum(arm**2, axis=1))
 
     @cached_property
     def paper_speeds_A_per_ps(self) -> dict[str, float]:
         """The paper's four speeds."""
         return short_wave_speeds_A_per_ps(Rod.paper())
-
-
-def paper_rod(spacing_nm: float) -> Rod:
-    """Return the paper's rod with the duplex's own distance of base pairs."""
-    return replace(Rod.paper(), spacing_nm=spacing_nm)
-
-
-def _kicked_rod(record: Record, wave: str, times: Array) -> Array:
-    if wave in AXIAL_WAVES:
-        speed = record.paper_speeds_A_per_ps[wave]
-        chain = ScalarChain.from_speed(record.pairs, speed, record.spacing_nm, record.held)
-        return chain.kick_response(times, record.velocity(wave)[0] * chain.free)[1]
-    plane = PlaneChain(paper_rod(record.spacing_nm), record.pairs, record.held)
-    source = np.stack([record.velocity("shear")[0] / A_PER_NM, record.velocity("bend")[0]], axis=1)
-    linear, angular = np.moveaxis(plane.kick_response(times, source * plane.free)[1], -1, 0)
-    return linear * A_PER_NM if wave == "shear" else angular

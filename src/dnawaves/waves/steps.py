@@ -12,13 +12,17 @@ import xarray as xr
 from dnawaves.errors import InputError
 from dnawaves.files import read_netcdf, write_netcdf
 from dnawaves.motion.fields import WAVE_COMPONENTS
-from dnawaves.scene.excitations import Kick, Nothing, Periodic, StandingWave, Static
+from dnawaves.scene.excitations import Kick, Nothing, Periodic, Pulse, StandingWave, Static
 from dnawaves.scene.load import read_scene
 from dnawaves.scene.models import SceneSpec
-from dnawaves.waves.analyse import analyse, mode_projection, standing_projection
+from dnawaves.waves.analyse import analyse
+from dnawaves.waves.analyse_periodic import driven_mode
+from dnawaves.waves.estimators.spectrum import frequency_wavenumber
+from dnawaves.waves.paper_answer import paper_velocity
+from dnawaves.waves.projections import mode_projection, standing_projection
 from dnawaves.waves.record import Record
-from dnawaves.waves.spectrum import frequency_wavenumber
 from dnawaves.waves.table import Estimate, write_table
+from dnawaves.waves.thermal import averaged_records, thermal_maps
 
 
 def analyse_step(scene_json: Path, motions: Sequence[Path], output: Path, waves: Path) -> None:
@@ -59,11 +63,15 @@ def figure_data(records: Sequence[Record]) -> xr.Dataset:
 
     That is the first; of a periodic scene the one with the largest response.
     """
+    thermal = records[0].scene.system.thermal
+    members, records = records, averaged_records(records) if thermal else records
     first = records[0]
     excitation = first.scene.excitation
     if isinstance(excitation, Periodic):
         peaks = [
-            np.abs(mode_projection(record, excitation.wave)[: record.usable]).max(initial=0.0)
+            np.abs(
+                mode_projection(record, excitation.wave, driven_mode(record))[: record.usable]
+            ).max(initial=0.0)
             for record in records
         ]
         first = records[int(np.argmax(peaks))]
@@ -86,10 +94,10 @@ def figure_data(records: Sequence[Record]) -> xr.Dataset:
             )
             dataset[f"{wave}_power"] = power
             dataset.attrs["resolution_GHz"] = power.attrs["resolution_GHz"]
-    if isinstance(excitation, Kick | StandingWave):
+    if isinstance(excitation, Kick | StandingWave | Pulse):
         dataset[f"{excitation.wave}_paper"] = (
             ("time", "pair"),
-            first.paper_velocity(excitation.wave, first.times_ps),
+            paper_velocity(first, excitation.wave, first.times_ps),
         )
     if isinstance(excitation, StandingWave):
         dataset["projection"] = ("time", standing_projection(first, excitation.wave))
@@ -99,4 +107,7 @@ def figure_data(records: Sequence[Record]) -> xr.Dataset:
         dataset = dataset.assign_coords(drive=("drive", drives, {"units": "GHz"}))
     if isinstance(excitation, Nothing):
         dataset.attrs["usable_frames"] = 0
+        if thermal:
+            dataset = dataset.assign(thermal_maps(members))
+            dataset.attrs["resolution_GHz"] = dataset["extension_power"].attrs["resolution_GHz"]
     return dataset

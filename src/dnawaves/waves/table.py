@@ -18,8 +18,11 @@ CSV_FORMAT = "%.6g"
 class Estimate:
     """One estimate of a wave's speed, beside the paper's value for the same thing.
 
-    `low` and `high` enclose the estimate over everything that was varied; `interval` says what
-    kind of interval that is. A blank speed comes with a reason.
+    `low` and `high` are the ends of its interval; `interval` says what kind of interval that is,
+    `profile_low` and `profile_high` are those of the profile likelihood of the first fit alone.
+    `model_class` is "fits", "fits roughly: ..." or "rejected: ...". `amplitude` is that of the
+    source in the fit, 1 if it is what was put in; `p_value` is that of a search for a wave in
+    noise. A blank speed comes with a reason.
     """
 
     scene: str
@@ -33,6 +36,13 @@ class Estimate:
     paper_A_per_ps: float | None = None
     ratio_to_paper: float | None = None
     misfit: float | None = None
+    model_class: str = ""
+    amplitude: float | None = None
+    profile_low_A_per_ps: float | None = None
+    profile_high_A_per_ps: float | None = None
+    coupling: float | None = None
+    phase_rad: float | None = None
+    p_value: float | None = None
     friction_per_ps: float | None = None
     frequency_GHz: float | None = None
     paper_frequency_GHz: float | None = None
@@ -48,7 +58,16 @@ class Estimate:
 
 
 COLUMNS = tuple(field.name for field in fields(Estimate))
-TEXT_COLUMNS = ("scene", "wave", "estimator", "interval", "reason", "system", "method")
+TEXT_COLUMNS = (
+    "scene",
+    "wave",
+    "estimator",
+    "interval",
+    "model_class",
+    "reason",
+    "system",
+    "method",
+)
 
 
 def spread(estimate: Estimate, speeds_A_per_ps: Sequence[float], paper_A_per_ps: float) -> Estimate:

@@ -17,9 +17,9 @@ from scipy.optimize import minimize, minimize_scalar
 
 from dnawaves.rod.dispersion import lattice_frequency
 from dnawaves.rod.modal import impulse_response
-from dnawaves.waves.intervals import limit_of_rise
-from dnawaves.waves.lattice_fit import Value
-from dnawaves.waves.model_class import SIGNIFICANCE
+from dnawaves.waves.estimators.intervals import limit_of_rise
+from dnawaves.waves.estimators.lattice_fit import Value
+from dnawaves.waves.estimators.model_class import SIGNIFICANCE
 
 Array = NDArray[np.float64]
 

@@ -17,6 +17,11 @@ Array = NDArray[np.float64]
 
 # Relative change of the sum of squares at which a search ends, and at which its start is dropped.
 FINE, COARSE = 1e-8, 1e-3
+# Far more than a search needs that has somewhere to go.
+MOST_STEPS = 60
+# Residual, in parts of the data's norm, where the model does not exist: finite, so that a search
+# that looks across the border has a slope and turns round.
+NOWHERE = 1e3
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,9 +71,12 @@ class Separable:
 
         def residual(values: Array) -> Array:
             full[free] = values
-            return (self.data - self.fitted(full)) / scale
+            left = (self.data - self.fitted(full)) / scale
+            return left if np.isfinite(left).all() else np.full_like(left, NOWHERE)
 
-        found = least_squares(residual, full[free], x_scale="jac", ftol=tolerance)
+        found = least_squares(
+            residual, full[free], x_scale="jac", ftol=tolerance, max_nfev=MOST_STEPS
+        )
         full[free] = found.x
         return Minimum(full, float(2 * found.cost) * scale**2)
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from dnawaves.waves.noise import Noise
+from dnawaves.waves.estimators.noise import Noise
 
 Array = NDArray[np.float64]
 

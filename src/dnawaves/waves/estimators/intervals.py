@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from dnawaves.waves.separable import Minimum, Separable
+from dnawaves.waves.estimators.separable import Minimum, Separable
 
 Array = NDArray[np.float64]
 
@@ -18,6 +18,9 @@ LEVEL = 0.95
 STEPS = 12
 # Of the distance to the limit, far below what the interval's own scatter is.
 CLOSE = 0.01
+# Relative change of the sum of squares at which the search over the other parameters ends: a limit
+# lies where it has risen by four parts in the number of residuals, thousands.
+SETTLED = 1e-6
 
 
 @dataclass(frozen=True)
@@ -51,9 +54,8 @@ def profile_interval(
 
     def excess(offset: float) -> float:
         value = float(minimum.parameters[index]) + offset
-        return fit.minimise(minimum.parameters, {index: value}).sum_of_squares - (
-            minimum.sum_of_squares
-        )
+        rest = fit.minimise(minimum.parameters, {index: value}, SETTLED)
+        return rest.sum_of_squares - minimum.sum_of_squares
 
     low, high = (
         float(minimum.parameters[index]) + limit_of_rise(excess, sign * reach, threshold)

@@ -10,15 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dnawaves.errors import InputError
-from dnawaves.waves.intervals import correlation_inflation, profile_interval
-from dnawaves.waves.lattices import FRICTION, Lattice
-from dnawaves.waves.model_class import ModelClass, judge_model_class
-from dnawaves.waves.noise import Noise, WhiteNoise
-from dnawaves.waves.separable import Separable
+from dnawaves.waves.estimators.intervals import correlation_inflation, profile_interval
+from dnawaves.waves.estimators.lattices import FRICTION, Lattice
+from dnawaves.waves.estimators.model_class import ModelClass, judge_model_class
+from dnawaves.waves.estimators.noise import Noise, WhiteNoise
+from dnawaves.waves.estimators.separable import Separable
 
 Array = NDArray[np.float64]
 
 REFINED_STARTS = 2
+# Logarithm of a value, or root of a friction: further out a search has run away, and powers of the
+# values overflow.
+FARTHEST = 50.0
 UNKNOWN_NOISE = WhiteNoise()
 
 
@@ -131,6 +134,8 @@ def _columns(
     parameters: Array,
 ) -> Array | None:
     """Return one column (amplitude, n) per record, zero in the others' places."""
+    if np.any(np.abs(parameters) > FARTHEST):
+        return None
     values = {name: _to_value(name)(float(x)) for name, x in zip(names, parameters, strict=True)}
     columns = np.zeros((len(observations), sum(sizes)))
     offset = 0

@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 from dnawaves.errors import InputError
 from dnawaves.rod.chain import ScalarChain
 from dnawaves.rod.modal import impulse_response
-from dnawaves.waves.intervals import correlation_inflation, profile_interval
-from dnawaves.waves.lattice_fit import Value
-from dnawaves.waves.lattices import FRICTIONS_PER_PS, SPEEDS_A_PER_PS
-from dnawaves.waves.model_class import ModelClass, judge_model_class
-from dnawaves.waves.noise import ColouredNoise, Noise, WhiteNoise
-from dnawaves.waves.separable import Separable
+from dnawaves.waves.estimators.intervals import correlation_inflation, profile_interval
+from dnawaves.waves.estimators.lattice_fit import Value
+from dnawaves.waves.estimators.lattices import FRICTIONS_PER_PS, SPEEDS_A_PER_PS
+from dnawaves.waves.estimators.model_class import ModelClass, judge_model_class
+from dnawaves.waves.estimators.noise import ColouredNoise, Noise, WhiteNoise
+from dnawaves.waves.estimators.separable import Separable
 
 Array = NDArray[np.float64]
 

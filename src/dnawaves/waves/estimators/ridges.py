@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 from dnawaves.errors import InputError
 from dnawaves.rod.chain import ScalarChain
 from dnawaves.rod.modal import impulse_response
-from dnawaves.waves.intervals import correlation_inflation
-from dnawaves.waves.model_class import judge_model_class
-from dnawaves.waves.noise import ColouredNoise, Noise, WhiteNoise
-from dnawaves.waves.separable import Separable
+from dnawaves.waves.estimators.intervals import correlation_inflation
+from dnawaves.waves.estimators.model_class import judge_model_class
+from dnawaves.waves.estimators.noise import ColouredNoise, Noise, WhiteNoise
+from dnawaves.waves.estimators.separable import Separable
 
 Array = NDArray[np.float64]
 

@@ -18,7 +18,7 @@ from dnawaves.errors import InputError
 from dnawaves.rod.chain import FiniteChain, PlaneChain, ScalarChain
 from dnawaves.rod.modal import ModalChain
 from dnawaves.rod.rod import Rod
-from dnawaves.waves.sources import Respond
+from dnawaves.waves.estimators.sources import Respond
 
 Array = NDArray[np.float64]
 

@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dnawaves.waves.lattice_fit import Observation
-from dnawaves.waves.lattices import ScalarLattice
+from dnawaves.waves.estimators.lattice_fit import Observation
 
 Array = NDArray[np.float64]
 
 DRAWS = 999
+
+
+class Searched(Protocol):
+    """A lattice with its answers (searched, time, channel) everywhere that a fit starts from."""
+
+    @property
+    def answers(self) -> Array: ...
 
 
 @dataclass(frozen=True)
@@ -35,7 +42,7 @@ class Detector:
 
     def __init__(
         self,
-        lattice: ScalarLattice,
+        lattice: Searched,
         observation: Observation,
         rng: np.random.Generator,
         draws: int = DRAWS,

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from dnawaves.errors import InputError
 from dnawaves.rod.oscillator import sine_drive_response
-from dnawaves.waves.intervals import correlation_inflation, profile_interval
-from dnawaves.waves.lattice_fit import Value
-from dnawaves.waves.model_class import ModelClass, judge_model_class
-from dnawaves.waves.noise import Noise, WhiteNoise
-from dnawaves.waves.separable import Separable
+from dnawaves.waves.estimators.intervals import Interval, correlation_inflation, profile_interval
+from dnawaves.waves.estimators.lattice_fit import Value
+from dnawaves.waves.estimators.model_class import ModelClass, judge_model_class
+from dnawaves.waves.estimators.noise import Noise, WhiteNoise
+from dnawaves.waves.estimators.separable import Separable
 
 Array = NDArray[np.float64]
 
@@ -41,26 +41,29 @@ def fit_resonance(
     times_ps: Sequence[Array],
     velocities: Sequence[Array],
     drives_rad_per_ps: Sequence[float],
-    ramp_ps: float = 0.0,
+    ramp_ps: float | Sequence[float] = 0.0,
     noise: Noise | None = None,
+    intervals: bool = True,
 ) -> Resonance:
     """Fit one oscillator to a mode's velocities (time,) in runs of several drive frequencies.
 
-    Each starts from rest under sin(drive t). Intervals are profile likelihoods of 95 %, as of
-    `fit_lattice`. Runs of one length may have a common `noise` of one channel.
+    Each starts from rest under sin(drive t), which rises during the ramp: one for all runs or one
+    for each. Intervals are profile likelihoods of 95 %, as of `fit_lattice`, or infinite without
+    `intervals`. Runs of one length may have a common `noise` of one channel.
     """
     if not len(times_ps) == len(velocities) == len(drives_rad_per_ps) > 0:
         raise InputError("a resonance needs times, velocities and a drive for each run")
+    ramps = [ramp_ps] * len(times_ps) if isinstance(ramp_ps, float | int) else list(ramp_ps)
     own = noise if noise is not None else WhiteNoise()
     data = [own.whiten(velocity[:, np.newaxis]) for velocity in velocities]
 
     def columns(parameters: Array) -> Array:
         frequency, friction = float(np.exp(parameters[0])), float(parameters[1] ** 2)
         parts = []
-        for times, drive in zip(times_ps, drives_rad_per_ps, strict=True):
-            position, velocity = sine_drive_response(times, [frequency], friction, drive, ramp_ps)
+        for times, drive, ramp in zip(times_ps, drives_rad_per_ps, ramps, strict=True):
+            position, velocity = sine_drive_response(times, [frequency], friction, drive, ramp)
             # The answer to the force's rate of change is the rate of change of the answer.
-            force = _ramped_sine(times, drive, ramp_ps)[:, np.newaxis]
+            force = _ramped_sine(times, drive, ramp)[:, np.newaxis]
             quadrature = (force - friction * velocity - frequency**2 * position) / drive
             parts.append([own.whiten(part).ravel() for part in (velocity, quadrature)])
         return np.concatenate([np.array(part) for part in parts], axis=1)
@@ -83,6 +86,9 @@ def fit_resonance(
     spread = max(variance, 1.0) if own.level_known else variance
     limits = []
     for index in range(2):
+        if not intervals:
+            limits.append(Interval(0.0 if index == 1 else -np.inf, np.inf))
+            continue
         inflation = 1.0
         if not own.level_known:
             pieces = np.split(fit.sensitivity(best.parameters, index), ends)

@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 from scipy import stats
 
 from dnawaves.errors import InputError
-from dnawaves.waves.lattice_fit import Value
-from dnawaves.waves.model_class import SIGNIFICANCE
+from dnawaves.waves.estimators.lattice_fit import Value
+from dnawaves.waves.estimators.model_class import SIGNIFICANCE
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,1 @@
+"""The constants of a rod, from the molecule that the waves run in."""

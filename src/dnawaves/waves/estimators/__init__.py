@@ -1,0 +1,1 @@
+"""Estimators on arrays: what a wave, a spectrum or an arrival says, with its interval."""
