@@ -1,14 +1,21 @@
-"""Verdicts and the agreement of estimators, on tables made by hand."""
+"""Verdicts on tables made by hand, of which the answers are known."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
-from dnawaves.comparison.steps import agreement, compare
+from dnawaves.comparison.agreement import agreement
+from dnawaves.comparison.compare import ADDED, ONE, compare
+from dnawaves.errors import InputError
+from dnawaves.scene.models import SceneSpec
 from dnawaves.waves.table import COLUMNS, Estimate, read_table, spread, write_table
+
+MakeScene = Callable[..., SceneSpec]
+B_DNA = {"d-e": "B-DNA"}
 
 
 def table(tmp_path: Path, *estimates: Estimate) -> pd.DataFrame:
@@ -18,70 +25,282 @@ def table(tmp_path: Path, *estimates: Estimate) -> pd.DataFrame:
 
 
 def estimate(scene: str, estimator: str, **values: object) -> Estimate:
-    return Estimate(scene, "extension", estimator, system="d-e", **values)  # type: ignore[arg-type]
+    return Estimate(scene, "extension", estimator, **{"system": "d-e", **values})  # type: ignore[arg-type]
+
+
+def rod(constants_table: Callable[..., pd.DataFrame], speed_A_per_ps: object) -> pd.DataFrame:
+    return constants_table(
+        {
+            "topology": {"spacing_A": 3.3},
+            "hessian, segments of 16 steps": {"speed_extension_A_per_ps": speed_A_per_ps},
+        }
+    )
 
 
 @pytest.mark.parametrize(
     ("speeds", "verdict"),
     [
-        ([16.4, 15.0, 17.0], "2.00 times the paper's: disagrees"),
-        ([8.3, 8.0, 8.6], "1.01 times the paper's: agrees"),
+        ([16.4, 15.0, 17.0], "2.00 times the paper's: disagree"),
+        ([8.3, 8.0, 8.6], "1.01 times the paper's: agree"),
     ],
 )
 def test_the_paper_agrees_where_its_value_lies_in_the_interval(
-    tmp_path: Path, speeds: list[float], verdict: str
+    tmp_path: Path, scene: MakeScene, speeds: list[float], verdict: str
 ) -> None:
     row = spread(estimate("a", "standing wave", misfit=0.02), speeds, 8.19)
-    compared = compare([table(tmp_path, row)], {"d-e": "B-DNA"})
+    compared = compare([table(tmp_path, row)], {"a": scene("a")}, B_DNA, {})
     assert compared.loc[0, "verdict"] == verdict
-    assert compared.loc[0, "low_A_per_ps"] == pytest.approx(min(speeds))
-    assert compared.loc[0, "high_A_per_ps"] == pytest.approx(max(speeds))
+    # Without constants of the molecule there is nothing else to be held against.
+    assert (compared.loc[0, "verdict_rod"], compared.loc[0, "verdict_lattice"]) == ("", "")
+    assert compared.loc[0, "ratio_to_paper_low"] == pytest.approx(min(speeds) / 8.19)
+    assert compared.loc[0, "ratio_to_paper_high"] == pytest.approx(max(speeds) / 8.19)
 
 
-def test_a_scene_that_left_b_form_says_so(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("own", "word"),
+    [
+        (16.0, "agree"),
+        (14.0, "disagree"),
+        ((14.0, 12.0, 16.0), "agree"),
+        ((14.0, 8.0, 20.0), "undecided"),
+    ],
+)
+def test_the_molecules_own_rod_has_an_interval_too(
+    tmp_path: Path,
+    scene: MakeScene,
+    constants_table: Callable[..., pd.DataFrame],
+    own: object,
+    word: str,
+) -> None:
+    row = spread(estimate("a", "standing wave"), [15.8, 15.5, 16.3], 8.19)
+    constants = {"d-e": rod(constants_table, own)}
+    compared = compare([table(tmp_path, row)], {"a": scene("a")}, B_DNA, constants)
+    assert compared.loc[0, "verdict_rod"] == word
+    assert compared.loc[0, "verdict_lattice"] == word
+    assert compared.loc[0, "verdict_paper"] == "disagree"
+
+
+@pytest.mark.parametrize("reason", ["poor fit: too much is left", ""])
+def test_a_fit_of_the_wrong_class_decides_nothing(
+    tmp_path: Path, scene: MakeScene, reason: str
+) -> None:
+    row = spread(estimate("a", "waveform", misfit=0.7, reason=reason), [16.0], 8.19)
+    rows = table(tmp_path, row)
+    rows["model_class"] = "" if reason else "rejected: memory is left"
+    compared = compare([rows], {"a": scene("a")}, B_DNA, {})
+    assert compared.loc[0, "verdict_paper"] == "undecided"
+    assert compared.loc[0, "why"] == ("poor fit" if reason else "model rejected: memory is left")
+
+
+def test_a_scene_that_left_b_form_says_so(tmp_path: Path, scene: MakeScene) -> None:
     row = spread(estimate("a", "standing wave"), [8.2], 8.19)
-    compared = compare([table(tmp_path, row)], {"d-e": "not B-DNA: interior rise 3.93 Å"})
+    left = {"d-e": "not B-DNA: interior rise 3.93 Å"}
+    compared = compare([table(tmp_path, row)], {"a": scene("a")}, left, {})
     assert "not B-DNA: interior rise 3.93 Å" in compared.loc[0, "verdict"]
 
 
-def test_a_null_has_no_speed_and_a_reason(tmp_path: Path) -> None:
-    compared = compare(
-        [table(tmp_path, estimate("n", "none", reason="no wave: nothing was put in"))],
-        {"d-e": "B-DNA"},
-    )
+def test_a_null_has_no_speed_no_verdict_and_a_reason(tmp_path: Path, scene: MakeScene) -> None:
+    rows = table(tmp_path, estimate("n", "none", reason="no wave: nothing was put in"))
+    compared = compare([rows], {"n": scene("n", "none")}, B_DNA, {})
     assert compared.loc[0, "verdict"] == "no wave"
+    assert compared.loc[0, "verdict_paper"] == ""
     assert pd.isna(compared.loc[0, "speed_A_per_ps"])
     assert compared.loc[0, "reason"]
 
 
-def test_a_poor_fit_decides_nothing(tmp_path: Path) -> None:
-    row = spread(
-        estimate("a", "waveform", misfit=0.7, reason="poor fit: too much is left"), [16.0], 8.19
-    )
-    compared = compare([table(tmp_path, row)], {"d-e": "B-DNA"})
-    assert compared.loc[0, "verdict"].endswith("undecided, poor fit")
+@pytest.mark.parametrize(
+    ("reason", "verdict"),
+    [
+        ("a wave: it is there", "false alarm"),
+        ("moves by itself: a little", "no wave, but moves by itself"),
+        ("too short", "no speed"),
+    ],
+)
+def test_a_wave_in_a_null_is_a_false_alarm(
+    tmp_path: Path, scene: MakeScene, reason: str, verdict: str
+) -> None:
+    rows = table(tmp_path, estimate("n", "none", reason=reason))
+    compared = compare([rows], {"n": scene("n", "none")}, B_DNA, {})
+    assert compared.loc[0, "verdict"] == verdict
 
 
-def test_columns_survive_tables_with_empty_ones(tmp_path: Path) -> None:
+def test_columns_survive_tables_with_empty_ones(tmp_path: Path, scene: MakeScene) -> None:
     first = table(tmp_path, estimate("n", "none", reason="no wave"))
     second = table(tmp_path, spread(estimate("a", "static"), [15.0], 8.19))
-    compared = compare([first, second], {"d-e": "B-DNA"})
-    assert list(compared.columns) == [*COLUMNS, "structure", "verdict"]
+    scenes = {"n": scene("n", "none"), "a": scene("a", "static")}
+    compared = compare([first, second], scenes, B_DNA, {})
+    assert list(compared.columns) == [*COLUMNS, *ADDED]
     assert len(compared) == 2
 
 
-def test_agreement_names_what_differs_and_why(tmp_path: Path) -> None:
+def test_a_scene_or_a_system_that_is_not_known_is_refused(tmp_path: Path, scene: MakeScene) -> None:
+    rows = table(tmp_path, estimate("a", "none"))
+    with pytest.raises(InputError, match="scenes: found none for a"):
+        compare([rows], {}, B_DNA, {})
+    with pytest.raises(InputError, match="structures: found none for d-e"):
+        compare([rows], {"a": scene("a")}, {}, {})
+
+
+def structures(
+    tmp_path: Path,
+    scene: MakeScene,
+    constants_table: Callable[..., pd.DataFrame],
+    speeds: list[float],
+    kinked: int = 0,
+) -> pd.DataFrame:
+    """Return the comparison of one scene in several structures, each with a rod of 15 Å/ps."""
+    names = [f"m{number}" for number in range(len(speeds))]
+    specs = {
+        name: scene(name, environment=f"e{number}", seed=number)
+        for number, name in enumerate(names)
+    }
+    tables = [
+        table(
+            tmp_path,
+            spread(estimate(name, "standing wave", system=f"d-e{number}"), [speed], 8.19),
+        )
+        for number, (name, speed) in enumerate(zip(names, speeds, strict=True))
+    ]
+    forms = {f"d-e{i}": "kinked" if i < kinked else "B-DNA" for i in range(len(speeds))}
+    constants = {system: rod(constants_table, 15.0) for system in forms}
+    return compare(tables, specs, forms, constants)
+
+
+def test_structures_are_judged_by_their_range(
+    tmp_path: Path, scene: MakeScene, constants_table: Callable[..., pd.DataFrame]
+) -> None:
+    found = structures(tmp_path, scene, constants_table, [15.4, 14.5, 15.0, 16.0, 14.8])
+    (group,) = (row for _, row in found.iterrows() if row["scope"] != ONE)
+    assert group["scope"] == "over 5 inherent structures"
+    assert (group["low_A_per_ps"], group["high_A_per_ps"]) == (14.5, 16.0)
+    assert group["speed_A_per_ps"] == pytest.approx(15.14)
+    assert (group["verdict_paper"], group["verdict_rod"]) == ("disagree", "agree")
+    # The lattice's relation turned the frequency into the speed; its rod is the same for k = 0.
+    assert group["ratio_to_lattice_low"] == pytest.approx(14.5 / 15)
+
+
+def test_kinked_structures_are_counted_with_and_without(
+    tmp_path: Path, scene: MakeScene, constants_table: Callable[..., pd.DataFrame]
+) -> None:
+    speeds = [20.0, 14.5, 15.0, 16.0, 14.8, 15.2]
+    found = structures(tmp_path, scene, constants_table, speeds, kinked=1)
+    every, sound = (row for _, row in found.iterrows() if row["scope"] != ONE)
+    assert (every["scope"], every["structure"]) == (
+        "over 6 inherent structures",
+        "B-DNA in 5 of 6",
+    )
+    assert every["high_A_per_ps"] == 20.0
+    assert sound["scope"] == "over 5 inherent structures of B-DNA"
+    assert (sound["high_A_per_ps"], sound["structure"]) == (16.0, "B-DNA")
+    # 20/15 alone makes the range too wide to say that the rod is right.
+    assert (every["verdict_rod"], sound["verdict_rod"]) == ("undecided", "agree")
+
+
+def test_too_few_structures_decide_nothing(
+    tmp_path: Path, scene: MakeScene, constants_table: Callable[..., pd.DataFrame]
+) -> None:
+    found = structures(tmp_path, scene, constants_table, [15.4, 14.5, 15.0])
+    group = found.iloc[-1]
+    assert (group["verdict_rod"], group["why"]) == ("undecided", "only 3 inherent structures")
+
+
+def test_lengths_are_a_group_of_their_own(tmp_path: Path, scene: MakeScene) -> None:
+    specs = {
+        "long": scene("long"),
+        "short": scene("short", duplex="s", sequence="CGATCAGTCAGC"),
+        "other": scene("other", duplex="o", sequence="CGATCAGTCG"),
+    }
     rows = [
-        spread(estimate("m1", "standing wave", frequency_GHz=113.0, misfit=0.03), [16.5], 8.19),
-        spread(estimate("k", "waveform", misfit=0.4), [15.9], 8.19),
+        spread(estimate(name, "standing wave", system=f"{system}-e"), [speed], 8.19)
+        for name, system, speed in (("long", "d", 17.0), ("short", "s", 18.0), ("other", "o", 9.0))
+    ]
+    forms = {f"{system}-e": "B-DNA" for system in "dso"}
+    found = compare([table(tmp_path, *rows)], specs, forms, {})
+    (group,) = (row for _, row in found.iterrows() if row["scope"] != ONE)
+    # The third is another sequence: with it more than the length would differ.
+    assert (group["scope"], group["low_A_per_ps"]) == ("over 2 lengths", 17.0)
+
+
+def test_agreement_names_what_differs_and_why(tmp_path: Path, scene: MakeScene) -> None:
+    rows = [
+        spread(
+            estimate("m1", "standing wave", frequency_GHz=113.0, misfit=0.03),
+            [16.5, 16.0, 17.0],
+            8.19,
+        ),
+        spread(estimate("k", "waveform", misfit=0.4), [15.9, 15.0, 16.4], 8.19),
+        spread(estimate("p", "waveform", misfit=0.6, reason="poor fit"), [16.5], 8.19),
         spread(estimate("l", "static"), [13.7], 8.19),
         spread(estimate("l", "static, held across"), [17.7], 8.19),
+        # Its own bias is that of the paper's rod, which is 10 % too fast by the same pick.
+        spread(estimate("a", "arrival"), [18.2, 17.5, 19.0], 1.1 * 8.19),
     ]
-    sentences = agreement(compare([table(tmp_path, *rows)], {"d-e": "B-DNA"}), "extension")
-    assert "m1" in sentences[0] and "16.5" in sentences[0]
-    assert sentences[1].startswith("k, waveform: −4%, agrees")
-    assert sentences[2].startswith("l, static: −17%, differs") and "17.7" in sentences[2]
-    assert len(sentences) == 3
+    specs = {name: scene(name) for name in ("m1", "k", "p", "l", "a")}
+    segments = pd.DataFrame({"steps": [1, 16], "extension_A_per_ps": [11.5, 15.5]})
+    found = agreement(compare([table(tmp_path, *rows)], specs, B_DNA, {}), "extension", segments)
+    assert found is not None
+    assert "m1" in found.yardstick and "16.5" in found.yardstick
+    by_name = {route.sentence.split(":")[0]: route for route in found.routes}
+    assert {name: route.word for name, route in by_name.items()} == {
+        "k, waveform": "agree",
+        "p, waveform": "undecided",
+        "l, static": "disagree",
+        "a, arrival": "agree",
+    }
+    said = by_name["l, static"].sentence
+    assert said.startswith("l, static: −17%, differs") and "17.7" in said
+    assert "11.5 Å/ps over 1 step and 15.5 over 16" in said
+    assert "2 agree with it within both intervals, 1 differ and 1 decide nothing" in found.sentence
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "interval", "word"),
+    [
+        # One replica: nothing says how well its speed is known.
+        (None, None, "", "undecided"),
+        # Of a spectrum the data set one limit only.
+        (None, 9.6, "95 %, profile likelihood (Whittle)", "undecided"),
+        (8.8, None, "95 %, profile likelihood (Whittle)", "disagree"),
+        (None, None, "none: exact linear response", "disagree"),
+    ],
+)
+def test_a_limit_that_the_data_do_not_set_is_far_away(
+    tmp_path: Path,
+    scene: MakeScene,
+    low: float | None,
+    high: float | None,
+    interval: str,
+    word: str,
+) -> None:
+    row = estimate(
+        "a",
+        "thermal spectrum",
+        speed_A_per_ps=9.0,
+        low_A_per_ps=low,
+        high_A_per_ps=high,
+        interval=interval,
+        paper_A_per_ps=8.19,
+    )
+    compared = compare([table(tmp_path, row)], {"a": scene("a")}, B_DNA, {})
+    assert compared.loc[0, "verdict_paper"] == word
+    assert compared.loc[0, "ratio_to_paper_low"] >= 0
+
+
+@pytest.mark.parametrize(("wavenumber", "said"), [(0.04, "the same"), (0.08, "another")])
+def test_standing_waves_differ_by_wavelength_only_where_it_is_another(
+    tmp_path: Path, scene: MakeScene, wavenumber: float, said: str
+) -> None:
+    shared = {"misfit": 0.1, "frequency_GHz": 113.0}
+    rows = [
+        spread(estimate("m", "standing wave", wavenumber_rad_per_A=0.04, **shared), [16.5], 8.19),
+        spread(
+            estimate("h", "standing wave", wavenumber_rad_per_A=wavenumber, **shared), [14.0], 8.19
+        ),
+    ]
+    specs = {name: scene(name) for name in ("m", "h")}
+    found = agreement(compare([table(tmp_path, *rows)], specs, B_DNA, {}), "extension")
+    assert found is not None
+    assert f"({said} wavelength, " in found.routes[0].sentence
 
 
 def test_names_that_pandas_takes_for_missing_values_survive(tmp_path: Path) -> None:

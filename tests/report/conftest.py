@@ -14,14 +14,17 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from dnawaves.comparison.steps import compare_step
-from dnawaves.files import write_netcdf, write_text
+from dnawaves.files import write_json, write_netcdf, write_text
 from dnawaves.report.gather import Results, gather
 from dnawaves.report.steps import report_step
 from dnawaves.rod.chain import ScalarChain
 from dnawaves.rod.modal import impulse_response
 from dnawaves.rod.rod import Rod, short_wave_speeds_A_per_ps
 from dnawaves.rod.standing import axial_standing_wave, axial_wavenumber
-from dnawaves.waves.spectrum import frequency_wavenumber
+from dnawaves.scene.load import load_scenes
+from dnawaves.units import KJ_PER_MOL_PER_PN_NM
+from dnawaves.waves.constants.table import Constant, write_constants
+from dnawaves.waves.estimators.spectrum import frequency_wavenumber
 from dnawaves.waves.table import Estimate, spread, write_table
 
 Array = NDArray[np.float64]
@@ -196,12 +199,51 @@ def write_results(folder: Path) -> Path:
     write_netcdf(system / "relaxed.nc", minimum())
     write_netcdf(system / "modes/0-0.nc", modes())
     write_text(system / "segments.csv", SEGMENTS)
+    write_constants(system / "constants.csv", constants())
+    for name, spec in load_scenes(config).items():
+        write_json(results / "scenes" / name / "scene.json", spec.model_dump(mode="json"))
     compare_step(
         [results / "scenes" / name / "speeds.csv" for name in scenes],
+        [results / "scenes" / name / "scene.json" for name in scenes],
         [system / "structure.nc"],
+        [system / "constants.csv"],
         results / "comparison.csv",
     )
     return config
+
+
+def constants() -> list[Constant]:
+    """Return the constants of the rod that the miniature is made of."""
+    rod = Rod.paper()
+    density, inertia = rod.density_Da_per_nm / 10, 10 * np.diag(rod.inertia_Da_nm)
+    topology = {
+        "spacing_A": SPACING_A,
+        "density_Da_per_A": density,
+        "inertia_axial_Da_A": inertia[2],
+        "inertia_transverse_Da_A": inertia[0],
+    }
+    route = "hessian, segments of 5 steps"
+    stiffness = 4 * np.diag(rod.stiffness) / KJ_PER_MOL_PER_PN_NM
+    own = {
+        "stretch_modulus_pN": stiffness[2],
+        "stretch_modulus_relaxed_pN": stiffness[2],
+        "twist_rigidity_pN_nm2": stiffness[5],
+        "twist_rigidity_relaxed_pN_nm2": stiffness[5],
+        "twist_stretch_coupling_pN_nm": 0.0,
+        "bend_rigidity_pN_nm2": stiffness[3],
+        "shear_stiffness_pN": stiffness[0],
+        "speed_extension_A_per_ps": SPEED_A_PER_PS,
+    }
+    steps = [
+        Constant(f"hessian, steps {kind}", f"speed_{wave}_A_per_ps", speed)
+        for kind, speed in (("CG", 12.0), ("GA", 10.0))
+        for wave in ("extension", "twist")
+    ]
+    masses = [Constant("topology", name, float(value)) for name, value in topology.items()]
+    return [*masses, *steps] + [
+        Constant(route, name, float(value), 0.98 * float(value), 1.02 * float(value))
+        for name, value in own.items()
+    ]
 
 
 def _scenes() -> dict[str, tuple[xr.Dataset, list[Estimate]]]:
@@ -310,7 +352,7 @@ def modes() -> xr.Dataset:
             "velocity_structure_factor": (
                 ("coordinate", "wavenumber", "frequency"),
                 np.array([line, line]),
-            )
+            ),
         },
         coords={
             "coordinate": ["extension", "twist"],

@@ -7,12 +7,10 @@ import pytest
 
 from dnawaves.report.gather import Results
 from dnawaves.report.molecule import (
-    constants_table,
     segments_figure,
     structure_factor_figure,
     twins_table,
 )
-from dnawaves.report.words import headlines
 
 
 def test_a_simulated_scene_stands_beside_its_exact_twin(results: Results) -> None:
@@ -23,24 +21,10 @@ def test_a_simulated_scene_stands_beside_its_exact_twin(results: Results) -> Non
     assert row[-1] == "4.0\u00a0%"  # the miniature's simulation is 4 % too large
 
 
-def test_the_headline_is_a_simulated_scene(results: Results) -> None:
-    extension = next(one for one in headlines(results.table) if one.wave == "extension")
-    assert "mode1)" in extension.sentence
-    assert "mode1_exact" not in extension.sentence
-
-
-def test_the_papers_constants_stand_beside_the_segments(results: Results) -> None:
-    (system,) = results.systems.values()
-    rows = {row[0]: row[1:] for row in constants_table(system).rows}
-    # Bishop and Zhmudsky: C3 = 2160 pN, D3 = 206 and D = 270 pN nm².
-    assert rows["extension, pN"] == ["2160", "3000", "6000"]
-    assert rows["twist, pN nm²"][0] == "206"
-    assert rows["bend, pN nm²"][0] == "270"
-
-
 def test_the_figure_holds_segments_and_standing_waves(results: Results) -> None:
     (system,) = results.systems.values()
-    figure = segments_figure(system, results.table).figure
+    assert system.segments is not None
+    figure = segments_figure(system.segments, results.table).figure
     traces = {trace.name: trace for trace in figure.data}
     assert list(traces["extension, segments"].y) == [11, 15]
     half_wave = traces["extension, standing waves"].x[0]
@@ -50,7 +34,8 @@ def test_the_figure_holds_segments_and_standing_waves(results: Results) -> None:
 
 def test_the_structure_factor_peaks_where_the_chain_carries_its_waves(results: Results) -> None:
     (system,) = results.systems.values()
-    figure = structure_factor_figure(system, "extension", 3.3).figure
+    assert system.structure_factor is not None
+    figure = structure_factor_figure(system.structure_factor, "extension", 3.3).figure
     power, paper = np.asarray(figure.data[0].z), figure.data[1].y
     peaks = np.asarray(figure.data[0].y)[power.argmax(axis=0)]
     # The miniature is twice as fast as the paper's rod; frequencies are 10 GHz apart.

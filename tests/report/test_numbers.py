@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from dnawaves.report.numbers import between, counted, digits, listed, percent
+from dnawaves.comparison.judge import Band
+from dnawaves.report.numbers import band, between, counted, digits, listed, percent
 
 
 @pytest.mark.parametrize(
@@ -33,6 +34,11 @@ def test_shares_and_ranges():
     assert percent(float("nan")) == "–"
     assert between(15.333, 16.904) == "15.3–16.9"
     assert between(None, 1.0) == "–"
+
+
+def test_an_interval_without_an_end_says_so():
+    assert band(Band(9.0, 8.2, float("inf"))) == "9.00 (8.20–∞)"
+    assert band(Band(9.0, 9.0, 9.0)) == "9.00"
 
 
 def test_words():

@@ -13,8 +13,8 @@ from dnawaves.errors import InputError
 from dnawaves.report.gather import Results, gather, read_jobs
 from dnawaves.report.page import render
 from dnawaves.report.steps import report_step
-from dnawaves.report.tables import verdicts
-from dnawaves.report.words import headlines, scene_sentence
+from dnawaves.report.tables import Held, verdicts
+from dnawaves.report.words import scene_sentence
 
 
 class Reader(HTMLParser):
@@ -82,31 +82,16 @@ def test_a_number_that_is_none_is_a_dash_and_its_reason_is_told(reader, truth):
     assert "no wave: still" in reader.text
 
 
-def test_the_headline_is_computed_from_the_table(results, truth):
-    (extension, bend) = headlines(results.table)
-    assert extension.wave == "extension"
-    assert f"{truth.speed_A_per_ps:.1f} Å/ps" in extension.sentence
-    assert "2.0 times the paper's 8.19" in extension.sentence
-    assert any(sentence.startswith("drive, resonance: +0%") for sentence in extension.agreement)
-    # The speed of a bend depends on its length: a frequency says what was seen.
-    assert bend.number == f"{truth.mode_GHz:.0f} GHz"
-
-
-def test_the_headline_falls_back_on_what_there_is(results):
-    table = results.table[results.table["scene"].isin(["kick", "load"])]
-    (extension,) = headlines(table)
-    assert "whole record of a kick (kick)" in extension.sentence
-    assert headlines(results.table[results.table["scene"] == "nothing"]) == []
-
-
 def test_a_row_of_the_verdicts_says_what_the_table_says(results):
     row = next(row for row in verdicts(results.table) if row.scene == "kick")
-    assert (row.speed, row.interval, row.paper, row.ratio) == ("16.4", "16.1–16.9", "8.19", "2.00")
-    assert row.kind == "model spread of 3 fits"
+    assert (row.speed, row.interval) == ("16.4", "16.1–16.9")
+    assert row.paper == Held("8.19", "2.00 (1.96–2.06)", "disagree")
+    # The interval of the rod's own constants is 2 %, which adds to 2 and 3 % in quadrature.
+    assert row.rod == Held("16.4", "1.00 (0.97–1.04)", "agree")
+    assert row.kind == "model spread, 3 fits"
     assert row.half_kick_change == "0.40\u00a0%"
-    assert row.verdict == "disagrees"
     nothing = next(row for row in verdicts(results.table) if row.scene == "nothing")
-    assert (nothing.speed, nothing.interval, nothing.mood) == ("–", "–", "no")
+    assert (nothing.speed, nothing.interval, nothing.paper.word) == ("–", "–", "")
 
 
 def test_a_scene_is_told_from_its_specification(results):
@@ -126,6 +111,7 @@ def test_a_duplex_that_is_not_b_dna_is_told_at_the_top(results):
         results.scenes,
         results.table,
         results.jobs,
+        results.folder,
     )
     assert "Its speeds are those of this structure" in Reader(render(changed)).text
 
@@ -169,9 +155,7 @@ def test_costs_are_summed_by_rule_and_shown(config, results, tmp_path):
             f"s\tmax_rss\tcpu_time\n{seconds}\t300\t{seconds}\n"
         )
     jobs = read_jobs(tmp_path, list(results.scenes))
-    text = Reader(
-        render(Results(config, results.systems, results.scenes, results.table, jobs))
-    ).text
+    text = Reader(render(replace(results, jobs=jobs))).text
     assert "2 jobs took 2.00 minutes" in text
 
 

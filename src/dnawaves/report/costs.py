@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
+import pandas as pd
 import plotly.graph_objects as go
 
+from dnawaves.comparison.judge import Band
 from dnawaves.report.gather import Job
-from dnawaves.report.numbers import digits
+from dnawaves.report.numbers import band, digits, percent
 from dnawaves.report.style import blank_figure
 from dnawaves.report.tables import Table
 
@@ -86,6 +88,27 @@ def jobs_table(jobs: Sequence[Job]) -> Table:
             for job in jobs
         ],
     )
+
+
+def effects_table(systems: Mapping[str, pd.DataFrame | None]) -> Table | None:
+    """Return what each effect of each system costs per step, measured by leaving it out."""
+    rows = [
+        [
+            name,
+            str(row["effect"]),
+            digits(row["ms_per_step_without"]),
+            digits(row["ms_per_step_whole"]),
+            band(Band.of(*(float(row[part]) for part in ("ms_saved", "low", "high")))),
+            percent(row["ms_saved"] / row["ms_per_step_whole"]),
+        ]
+        for name, costs in systems.items()
+        if costs is not None
+        for _, row in costs.iterrows()
+    ]
+    if not rows:
+        return None
+    header = ("system", "effect", "without (ms/step)", "with (ms/step)", "saved (ms)", "saved")
+    return Table(header, rows)
 
 
 def _rules(jobs: Sequence[Job]) -> list[str]:

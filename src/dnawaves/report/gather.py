@@ -11,25 +11,35 @@ from typing import Any
 import pandas as pd
 import xarray as xr
 
+from dnawaves.comparison.compare import ONE
+from dnawaves.comparison.steps import read_comparison
 from dnawaves.errors import InputError
 from dnawaves.files import read_netcdf
 from dnawaves.scene.load import load_scenes
 from dnawaves.scene.models import SceneSpec, SystemSpec
-from dnawaves.waves.table import read_table
+from dnawaves.waves.constants.table import read_constants
+
+MODES = "velocity_structure_factor"
 
 
 @dataclass(frozen=True)
 class SystemResults:
-    """A relaxed duplex: its inspection, the attributes of its minimum, its harmonic reference.
+    """A duplex: its inspection, what its start is like, its harmonic reference, its constants.
 
-    `segments` is its stiffness by length, `structure_factor` S(q, f) of its base pairs.
+    `start` are the attributes of its minimum or of its equilibration. `segments` is the minimum's
+    stiffness by length, `structure_factor` S(q, f) of its base pairs. `constants` are the rod's by
+    route, `joint` those that the waves give, `costs` what each effect costs per step. What was
+    not made is None.
     """
 
     spec: SystemSpec
     structure: xr.Dataset
-    minimum: Mapping[str, Any]
-    segments: pd.DataFrame
-    structure_factor: xr.DataArray
+    start: Mapping[str, Any]
+    segments: pd.DataFrame | None
+    structure_factor: xr.DataArray | None
+    constants: pd.DataFrame
+    joint: pd.DataFrame | None
+    costs: pd.DataFrame | None
 
 
 @dataclass(frozen=True)
@@ -83,6 +93,7 @@ class Results:
     scenes: Mapping[str, SceneResults]
     table: pd.DataFrame
     jobs: list[Job]
+    folder: Path
 
 
 def gather(config: Path, results: Path) -> Results:
@@ -95,7 +106,7 @@ def gather(config: Path, results: Path) -> Results:
     """
     specs = load_scenes(config)
     systems = {spec.system.name: spec.system for spec in specs.values()}
-    table = read_table(_existing(results / "comparison.csv"))
+    table = read_comparison(_existing(results / "comparison.csv"))
     absent = [name for name in specs if name not in set(table["scene"])]
     if absent:
         raise InputError(
@@ -109,6 +120,7 @@ def gather(config: Path, results: Path) -> Results:
         {name: _scene(results, spec, table) for name, spec in specs.items()},
         table,
         read_jobs(results / "benchmarks", [*specs, *systems]),
+        results,
     )
 
 
@@ -146,14 +158,23 @@ def _number(text: str | None) -> float | None:
 def _system(results: Path, spec: SystemSpec) -> SystemResults:
     folder = results / "systems" / spec.name
     structure = read_netcdf(_existing(folder / "structure.nc"))
-    modes = read_netcdf(_existing(folder / "modes" / "0-0.nc"), "velocity_structure_factor")
+    start = folder / ("equilibrated.nc" if spec.thermal else "relaxed.nc")
+    modes = folder / "modes" / "0-0.nc"
+    harmonic = None if spec.thermal else read_netcdf(_existing(modes), MODES)
     return SystemResults(
         spec,
         structure,
-        read_netcdf(_existing(folder / "relaxed.nc")).attrs,
-        pd.read_csv(_existing(folder / "segments.csv")),
-        modes["velocity_structure_factor"],
+        read_netcdf(_existing(start)).attrs,
+        _table(folder / "segments.csv"),
+        None if harmonic is None else harmonic[MODES],
+        read_constants(_existing(folder / "constants.csv")),
+        _table(folder / "joint.csv"),
+        _table(folder / "costs.csv"),
     )
+
+
+def _table(path: Path) -> pd.DataFrame | None:
+    return pd.read_csv(path) if path.is_file() else None
 
 
 def _scene(results: Path, spec: SceneSpec, table: pd.DataFrame) -> SceneResults:
@@ -161,7 +182,7 @@ def _scene(results: Path, spec: SceneSpec, table: pd.DataFrame) -> SceneResults:
     return SceneResults(
         spec,
         read_netcdf(_existing(folder / "waves.nc")),
-        table[table["scene"] == spec.name],
+        table[(table["scene"] == spec.name) & (table["scope"] == ONE)],
         _odd_helical(folder / spec.members[0]) if spec.observation.helical else None,
     )
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 import plotly.graph_objects as go
+import xarray as xr
 
 from dnawaves.report.dispersion import branch_GHz, standing_points
-from dnawaves.report.gather import Results, SceneResults, SystemResults
+from dnawaves.report.gather import Results, SceneResults
 from dnawaves.report.numbers import digits, percent
 from dnawaves.report.style import (
     INK,
@@ -20,23 +21,15 @@ from dnawaves.report.style import (
     map_figure,
 )
 from dnawaves.report.tables import Table
-from dnawaves.rod.rod import BEND_1, EXTENSION, TWIST, Rod, short_wave_speeds_A_per_ps
+from dnawaves.rod.rod import Rod, short_wave_speeds_A_per_ps
 from dnawaves.scene.excitations import Static
-from dnawaves.units import KJ_PER_MOL_PER_PN_NM
 from dnawaves.waves.record import AXIAL_WAVES
 
-CONSTANTS = {
-    "extension_pN": ("extension, pN", EXTENSION),
-    "twist_pN_nm2": ("twist, pN nm²", TWIST),
-    "bend_pN_nm2": ("bend, pN nm²", BEND_1),
-}
 
-
-def segments_figure(system: SystemResults, table: pd.DataFrame) -> Illustration:
+def segments_figure(segments: pd.DataFrame, table: pd.DataFrame) -> Illustration:
     """Return the speeds that the segments' stiffness gives, with the standing waves over them."""
     figure = blank_figure("length of segment, or half a wavelength (Å)", "speed (Å/ps)", 420)
     paper = short_wave_speeds_A_per_ps(Rod.paper())
-    segments = system.segments
     points = standing_points(table)
     points = points[points["estimator"] == "standing wave"]
     furthest = float(segments["length_A"].max())
@@ -88,36 +81,11 @@ def segments_figure(system: SystemResults, table: pd.DataFrame) -> Illustration:
     )
 
 
-def constants_table(system: SystemResults) -> Table:
-    """Return the paper's constants beside those of short and of long segments."""
-    segments = system.segments
-    short, long = segments.iloc[0], segments.iloc[-1]
-    rod = Rod.paper()
-    rows = [
-        [
-            label,
-            digits(rod.stiffness[index, index] / KJ_PER_MOL_PER_PN_NM),
-            digits(short[name]),
-            digits(long[name]),
-        ]
-        for name, (label, index) in CONSTANTS.items()
-    ]
-    rows.append(
-        [
-            "extension with twist, pN nm",
-            "0",
-            digits(short["coupling_pN_nm"]),
-            digits(long["coupling_pN_nm"]),
-        ]
-    )
-    header = ["stiffness", "paper"]
-    header += [f"segments of {digits(row['length_A'])} Å" for row in (short, long)]
-    return Table(header, rows)
-
-
-def structure_factor_figure(system: SystemResults, wave: str, spacing_A: float) -> Illustration:
+def structure_factor_figure(
+    structure_factor: xr.DataArray, wave: str, spacing_A: float
+) -> Illustration:
     """Return S(q, f) of one coordinate of the base pairs, with the paper's branch over it."""
-    factor = system.structure_factor.sel(coordinate=wave)
+    factor = structure_factor.sel(coordinate=wave)
     paper = branch_GHz(
         short_wave_speeds_A_per_ps(Rod.paper())[wave], factor["wavenumber"].values, spacing_A
     )

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import SupportsFloat
 
+from dnawaves.comparison.judge import Band
+
 BLANK = "–"
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -38,6 +40,28 @@ def percent(share: SupportsFloat | None) -> str:
 def between(low: SupportsFloat | None, high: SupportsFloat | None) -> str:
     """Return 'low–high' with three significant digits."""
     return BLANK if missing(low) or missing(high) else f"{digits(low)}–{digits(high)}"
+
+
+def band(number: Band) -> str:
+    """Return 'value (low–high)' to the digit that the interval leaves standing.
+
+    Two digits of the interval's half-width, and not more than three of the number.
+    """
+    open_ended = number.high == math.inf
+    half = number.value - number.low if open_ended else (number.high - number.low) / 2
+    if missing(half) or half == 0:
+        return digits(number.value)
+    # 1.234 ± 0.12 is 1.23: the digit below the second of the half-width is noise.
+    largest = max(abs(value) for value in (number.value, number.high) if math.isfinite(value))
+    place = min(2 - math.ceil(math.log10(half)), 2 - math.floor(math.log10(largest)))
+    parts = [_rounded(value, place) for value in (number.value, number.low, number.high)]
+    return f"{parts[0]} ({parts[1]}–{parts[2]})"
+
+
+def _rounded(value: float, place: int) -> str:
+    if not math.isfinite(value):
+        return "∞"
+    return f"{round(value, place):.{max(0, place)}f}".replace("-", "−")
 
 
 def listed(words: list[str]) -> str:

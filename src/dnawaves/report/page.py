@@ -4,31 +4,36 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from importlib.metadata import version
-from itertools import count
 
-import jinja2
 import xarray as xr
 import yaml
-from plotly.offline import get_plotlyjs
 
-from dnawaves.report.costs import NOT_RECORDED, costs_figure, costs_table, jobs_table
+from dnawaves.comparison.compare import ONE
+from dnawaves.comparison.groups import groups
+from dnawaves.comparison.judge import CONFIDENCE
+from dnawaves.report.answers import answers, false_alarms, main_system
+from dnawaves.report.costs import (
+    NOT_RECORDED,
+    costs_figure,
+    costs_table,
+    effects_table,
+    jobs_table,
+)
+from dnawaves.report.derived import attenuation, coupling, diffusion
 from dnawaves.report.dispersion import dispersion_figure, standing_points
 from dnawaves.report.gather import Results
-from dnawaves.report.legend import legend
-from dnawaves.report.molecule import (
-    constants_table,
-    segments_figure,
-    structure_factor_figure,
-    twins_table,
-)
+from dnawaves.report.molecule import segments_figure, structure_factor_figure, twins_table
 from dnawaves.report.numbers import BLANK, counted, digits
-from dnawaves.report.scene_section import scene_section
+from dnawaves.report.routes import constants_table, wave_routes
+from dnawaves.report.scene_section import SceneSection, scene_section
 from dnawaves.report.speeds import speeds_figure
 from dnawaves.report.structure import B_FORM, STEP_PARAMETERS, step_profile, structure_table
+from dnawaves.report.studies import studies
 from dnawaves.report.style import Illustration
-from dnawaves.report.tables import VERDICT_HEADER, verdicts
+from dnawaves.report.tables import VERDICT_HEADER, spreads, verdicts
+from dnawaves.report.template import fill_with_figures
 from dnawaves.report.theory import errata_table, paper_dispersion
-from dnawaves.report.words import headlines
+from dnawaves.report.trends import by_sequence, by_temperature, lag_distance
 from dnawaves.waves.record import AXIAL_WAVES
 
 TITLE = "Does DNA carry waves as the elastic rod says?"
@@ -36,36 +41,33 @@ TITLE = "Does DNA carry waves as the elastic rod says?"
 
 def render(results: Results) -> str:
     """Return the report as HTML that opens without a network."""
-    environment = jinja2.Environment(
-        loader=jinja2.PackageLoader("dnawaves.report"),
-        autoescape=True,
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    numbers = count(1)
-    return environment.get_template("report.html.j2").render(
+    return fill_with_figures(
+        "report.html.j2",
         title=TITLE,
-        # Two figures must not share an identifier.
-        next_number=lambda: next(numbers),
-        figure_json=_figure_json,
-        legend=legend,
-        plotly_js=get_plotlyjs(),
-        headlines=headlines(results.table),
+        answers=answers(results),
+        confidence=f"{100 * CONFIDENCE:g} %",
+        routes=wave_routes(results),
+        spreads=spreads(results.table),
         systems=results.systems,
-        scenes=[scene_section(scene) for scene in results.scenes.values()],
+        false_alarms=false_alarms(results.table),
+        scenes=_scenes(results),
         speeds=_speeds(results),
         verdict_header=VERDICT_HEADER,
         blank=BLANK,
-        verdicts=verdicts(results.table),
+        verdicts=verdicts(results.table[results.table["scope"] == ONE]),
         dispersion=_dispersion(results),
         molecule={name: _molecule(results, name) for name in results.systems},
         twins=twins_table(results),
+        derived=_derived(results),
         structures=structure_table(list(results.systems.values())),
         profiles={name: _profiles(system.structure) for name, system in results.systems.items()},
         errata=errata_table(),
         paper_dispersion=paper_dispersion(results.table),
         costs=_costs(results),
+        effects=effects_table({name: its.costs for name, its in results.systems.items()}),
+        studies=studies(
+            results.folder, {name: scene.spec for name, scene in results.scenes.items()}
+        ),
         versions=_versions(results),
         configuration=_configuration(results),
         config_name=results.config.name,
@@ -76,12 +78,6 @@ def render(results: Results) -> str:
 # Measured sound in DNA, Å/ps: aligned films of 40 % calf-thymus DNA (Liu et al. 2005, J. Chem.
 # Phys. 123, doi 10.1063/1.2128702).
 OUTSIDE = {"Brillouin light scattering": 18.0, "inelastic X-ray scattering": 31.0}
-
-
-def _figure_json(illustration: Illustration) -> str:
-    """Return a figure as JSON that can stand inside a script element."""
-    text = str(illustration.figure.to_json())
-    return text.replace("<", "\\u003c")
 
 
 def _speeds(results: Results) -> list[Illustration]:
@@ -101,7 +97,7 @@ def _speeds(results: Results) -> list[Illustration]:
 def _dispersion(results: Results) -> list[Illustration]:
     shown = []
     for name in results.systems:
-        table = results.table[results.table["system"] == name]
+        table = results.table[(results.table["system"] == name) & (results.table["scope"] == ONE)]
         spacing = next(
             scene.spacing_A for scene in results.scenes.values() if scene.spec.system.name == name
         )
@@ -121,15 +117,43 @@ def _dispersion(results: Results) -> list[Illustration]:
 
 def _molecule(results: Results, name: str) -> dict[str, object]:
     system = results.systems[name]
-    table = results.table[results.table["system"] == name]
+    table = results.table[(results.table["system"] == name) & (results.table["scope"] == ONE)]
     spacing_A = next(s.spacing_A for s in results.scenes.values() if s.spec.system.name == name)
-    return {
-        "constants": constants_table(system),
-        "figures": [
-            segments_figure(system, table),
-            *(structure_factor_figure(system, wave, spacing_A) for wave in AXIAL_WAVES),
-        ],
+    figures = []
+    if system.segments is not None:
+        figures.append(segments_figure(system.segments, table))
+    if system.structure_factor is not None:
+        figures += [
+            structure_factor_figure(system.structure_factor, wave, spacing_A)
+            for wave in AXIAL_WAVES
+        ]
+    return {"constants": constants_table(results, system), "figures": figures}
+
+
+def _derived(results: Results) -> list[Illustration | str]:
+    """Return what follows from speeds and frictions: figures, or a line where there is no data."""
+    system = main_system(results)
+    found = (
+        attenuation(results, system),
+        diffusion(results, system),
+        coupling(system),
+        by_sequence(results),
+        by_temperature(results),
+        lag_distance(results),
+    )
+    return [line if illustration is None else illustration for illustration, line in found]
+
+
+def _scenes(results: Results) -> list[SceneSection]:
+    first = {
+        name: group.scenes[0]
+        for group in groups(scene.spec for scene in results.scenes.values())
+        for name in group.scenes[1:]
     }
+    return [
+        scene_section(scene, results.systems[scene.spec.system.name].constants, first.get(name, ""))
+        for name, scene in results.scenes.items()
+    ]
 
 
 def _profiles(structure: xr.Dataset) -> list[Illustration]:
@@ -165,7 +189,7 @@ def _versions(results: Results) -> dict[str, str]:
     attributes: Iterable[tuple[str, object]] = (
         pair
         for system in results.systems.values()
-        for source in (system.structure.attrs, system.minimum)
+        for source in (system.structure.attrs, system.start)
         for pair in source.items()
     )
     found: dict[str, set[str]] = {}

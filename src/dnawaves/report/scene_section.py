@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
@@ -14,14 +14,17 @@ from dnawaves.report.helical_odd import helical_figure, parameter_of
 from dnawaves.report.kymograph import Front, Marks, Moment, kymograph, saturation
 from dnawaves.report.load_profile import load_figure
 from dnawaves.report.numbers import digits, percent
+from dnawaves.report.own_lattice import lattice_velocity, own_rod
 from dnawaves.report.resonance import resonance_figure
 from dnawaves.report.spectrum import spectrum_figure
 from dnawaves.report.standing_wave import projection_figure
 from dnawaves.report.style import MEASURED_LINE, PAPER_LINE, Illustration
-from dnawaves.report.tables import short_verdict
+from dnawaves.report.thermal import thermal_illustrations
 from dnawaves.report.words import scene_sentence
+from dnawaves.rod.rod import Rod
 from dnawaves.scene.excitations import Kick, Nothing, Periodic, Pulse, StandingWave, Static
 from dnawaves.scene.pairs import excited_pairs
+from dnawaves.units import A_PER_NM
 from dnawaves.waves.record import AXIAL_WAVES
 
 
@@ -36,18 +39,29 @@ class SceneSection:
     illustrations: list[Illustration]
 
 
-def scene_section(scene: SceneResults) -> SceneSection:
-    """Return the part of the report that is about one scene."""
+def scene_section(
+    scene: SceneResults, constants: pd.DataFrame | None = None, like: str = ""
+) -> SceneSection:
+    """Return the part of the report that is about one scene.
+
+    `constants` are those of the rod of its system. `like` names the scene of which this is a
+    repetition in another system: its maps are not shown once more.
+    """
     excitation = scene.spec.excitation
     wave = getattr(excitation, "wave", None)
     kind = excitation.kind.replace("_", " ")
     return SceneSection(
         scene.spec.name,
-        f"{kind}, {wave}" if wave else "null",
-        scene_sentence(scene.spec),
+        f"{kind}, {wave}" if wave else _without_wave(scene),
+        scene_sentence(scene.spec) + (f" The same as {like} otherwise." if like else ""),
         [_finding(row) for _, row in scene.rows.iterrows()],
-        _illustrations(scene),
+        _projection(scene) if like else _illustrations(scene, constants),
     )
+
+
+def _without_wave(scene: SceneResults) -> str:
+    kelvin = scene.spec.system.environment.temperature_K
+    return f"thermal equilibrium, {kelvin:g} K" if scene.spec.system.thermal else "null"
 
 
 def _finding(row: pd.Series) -> str:
@@ -57,19 +71,18 @@ def _finding(row: pd.Series) -> str:
     details += [row["reason"]] if row["reason"] else []
     return (
         f"{row['estimator'].capitalize()}: {digits(row['speed_A_per_ps'])} Å/ps, "
-        f"{digits(row['ratio_to_paper'])} times the paper's, {short_verdict(row)}"
-        f"{' (' + '; '.join(details) + ')' if details else ''}."
+        f"{row['verdict']}{' (' + '; '.join(details) + ')' if details else ''}."
     )
 
 
-def _illustrations(scene: SceneResults) -> list[Illustration]:
+def _illustrations(scene: SceneResults, constants: pd.DataFrame | None) -> list[Illustration]:
     excitation = scene.spec.excitation
     if isinstance(excitation, Nothing):
-        return []
+        return thermal_illustrations(scene, constants) if scene.spec.system.thermal else []
     if isinstance(excitation, Static):
         return _load(scene, excitation)
     wave = excitation.wave
-    shown = _kymographs(scene, wave, _marks(scene, excitation))
+    shown = _kymographs(scene, wave, _marks(scene, excitation), constants)
     if isinstance(excitation, StandingWave):
         shown += _projection(scene)
     if isinstance(excitation, Periodic):
@@ -117,7 +130,9 @@ def _made_by(scene: SceneResults) -> str:
     return "Exact linear answer" if scene.spec.method == "harmonic" else "Simulation"
 
 
-def _kymographs(scene: SceneResults, wave: str, marks: Marks) -> list[Illustration]:
+def _kymographs(
+    scene: SceneResults, wave: str, marks: Marks, constants: pd.DataFrame | None
+) -> list[Illustration]:
     field = scene.waves[f"{wave}_velocity"]
     units = str(field.attrs["units"])
     theory = scene.waves.get(f"{wave}_paper")
@@ -147,6 +162,9 @@ def _kymographs(scene: SceneResults, wave: str, marks: Marks) -> list[Illustrati
         )
     ]
     if theory is not None:
+        own = None if constants is None else own_rod(constants)
+        if own is not None:
+            shown.append(_own_lattice(scene, wave, marks, limit, *own))
         theirs = [front for front in marks.fronts if front.line == "paper"]
         ours = [moment for moment in marks.moments if moment.line == "paper"]
         shown.append(
@@ -154,11 +172,26 @@ def _kymographs(scene: SceneResults, wave: str, marks: Marks) -> list[Illustrati
                 "The paper's rod",
                 kymograph(theory, units, limit, Marks(theirs, ours, marks.source_A)),
                 "A chain with the paper's constants and this duplex's spacing and ends after the "
-                "same kick, in the same colours. Were theory and simulation alike, so would be the "
-                "two pictures.",
+                "same kick, in the same colours.",
             )
         )
     return shown
+
+
+def _own_lattice(
+    scene: SceneResults, wave: str, marks: Marks, limit: float, rod: Rod, route: str
+) -> Illustration:
+    rod = replace(rod, spacing_nm=scene.spacing_A / A_PER_NM)
+    field = lattice_velocity(scene, wave, rod)
+    return Illustration(
+        "The lattice with its own constants",
+        kymograph(
+            field, str(field.attrs["units"]), limit, Marks((), (), marks.source_A, marks.window_ps)
+        ),
+        "A uniform lattice of rigid base pairs with the constants of this very duplex, extension "
+        f"and twist coupled, from its {route}; without friction, after the same kick, in the same "
+        "colours. Were the rod right, this would be the simulation's picture.",
+    )
 
 
 def _projection(scene: SceneResults) -> list[Illustration]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
@@ -10,7 +11,7 @@ import xarray as xr
 
 from dnawaves.motion.structure import RISE_RANGE_A, TERMINAL_STEPS, TWIST_RANGE_DEG
 from dnawaves.report.gather import SystemResults
-from dnawaves.report.numbers import digits
+from dnawaves.report.numbers import BLANK, digits
 from dnawaves.report.style import (
     BAND,
     INK,
@@ -68,9 +69,10 @@ def step_profile(structure: xr.Dataset, name: str) -> go.Figure:
 def structure_table(systems: Sequence[SystemResults]) -> Table:
     """Return what was found of each relaxed duplex, one column for each."""
     columns = [_findings(system) for system in systems]
+    names = dict.fromkeys(name for column in columns for name in column)
     return Table(
         ["", *(system.spec.name for system in systems)],
-        [[name, *(column[name] for column in columns)] for name in columns[0]],
+        [[name, *(column.get(name, BLANK) for column in columns)] for name in names],
     )
 
 
@@ -86,7 +88,7 @@ def _range(structure: xr.Dataset, name: str) -> str:
 
 
 def _findings(system: SystemResults) -> dict[str, str]:
-    found, minimum = system.structure.attrs, system.minimum
+    found = system.structure.attrs
     rise, twist = ("{:g} to {:g} is B-DNA".format(*B_FORM[name]) for name in ("rise", "twist"))
     return {
         "Verdict": str(found["verdict"]),
@@ -100,9 +102,34 @@ def _findings(system: SystemResults) -> dict[str, str]:
         "RMSD to the built duplex, heavy atoms, Å": digits(found["rmsd_to_built_A"]),
         "Watson-Crick hydrogen bonds": str(int(system.structure["hydrogen_bonds"].sum())),
         "Base pairs that are lost": str(found["lost_pairs"]) or "none",
-        "Energy, kJ/mol": digits(minimum["energy_kJ_per_mol"], 6),
-        "Root-mean-square force, kJ/mol/nm": digits(minimum["rms_force_kJ_per_mol_nm"]),
-        "Negative modes of the Hessian": str(minimum["negative_modes"]),
-        "First estimate of extension, Å/ps": digits(minimum["first_estimate_extension_A_per_ps"]),
-        "First estimate of twist, Å/ps": digits(minimum["first_estimate_twist_A_per_ps"]),
+        **(_equilibration(system.start) if system.spec.thermal else _minimum(system.start)),
+    }
+
+
+def _minimum(start: Mapping[str, Any]) -> dict[str, str]:
+    return {
+        "Energy, kJ/mol": digits(start["energy_kJ_per_mol"], 6),
+        "Root-mean-square force, kJ/mol/nm": digits(start["rms_force_kJ_per_mol_nm"]),
+        "Negative modes of the Hessian": str(start["negative_modes"]),
+        "First estimate of extension, Å/ps": digits(start["first_estimate_extension_A_per_ps"]),
+        "First estimate of twist, Å/ps": digits(start["first_estimate_twist_A_per_ps"]),
+    }
+
+
+CHECKS = {
+    "Temperature": "temperature_K_verdict",
+    "Potential energy": "potential_energy_kJ_per_mol_verdict",
+    "End-to-end distance": "end_to_end_nm_verdict",
+    "Warning": "warning",
+}
+
+
+def _equilibration(start: Mapping[str, Any]) -> dict[str, str]:
+    """Return the checks of the equilibration."""
+    mean, error = (start[f"temperature_K_mean{end}"] for end in ("", "_standard_error"))
+    return {
+        "Mean temperature, K": f"{digits(mean)} ± {digits(error, 2)}",
+        **{name: str(start[key]) for name, key in CHECKS.items() if start.get(key)},
+        "First estimate of extension, Å/ps": digits(start["first_estimate_extension_A_per_ps"]),
+        "First estimate of twist, Å/ps": digits(start["first_estimate_twist_A_per_ps"]),
     }

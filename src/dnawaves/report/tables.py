@@ -7,7 +7,10 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from dnawaves.report.numbers import between, counted, digits, percent
+from dnawaves.comparison.compare import B_DNA, ONE, RODS
+from dnawaves.comparison.judge import Band
+from dnawaves.report.numbers import BLANK, band, between, counted, digits, missing, percent
+from dnawaves.waves.table import MODEL_SPREAD
 
 
 @dataclass(frozen=True)
@@ -19,26 +22,31 @@ class Table:
 
 
 @dataclass(frozen=True)
+class Held:
+    """An estimate against one rod: the rod's speed, the ratio to it with its interval, a word."""
+
+    speed: str
+    ratio: str
+    word: str
+
+
+@dataclass(frozen=True)
 class Verdict:
-    """One estimate as text; `mood` is the first word of the verdict, after which it is coloured."""
+    """One estimate as text, against the three rods: the paper's, the own rod, the own lattice."""
 
     scene: str
     wave: str
     estimator: str
+    scope: str
     speed: str
     interval: str
     kind: str
-    paper: str
-    ratio: str
+    paper: Held
+    rod: Held
+    lattice: Held
     misfit: str
     half_kick_change: str
-    verdict: str
-    reason: str
-
-    @property
-    def mood(self) -> str:
-        """One of agrees, disagrees, undecided, structure and no."""
-        return self.verdict.split()[0].rstrip(",;")
+    remark: str
 
 
 VERDICT_HEADER = (
@@ -47,11 +55,12 @@ VERDICT_HEADER = (
     "estimator",
     "speed (Å/ps)",
     "interval (Å/ps) and its kind",
-    "paper (Å/ps)",
-    "ratio",
+    "(a) the paper's rod",
+    "(b) its own rod",
+    "(c) its own lattice",
     "misfit",
     "half-kick change",
-    "verdict and reason",
+    "remarks",
 )
 
 
@@ -60,25 +69,71 @@ def verdicts(table: pd.DataFrame) -> list[Verdict]:
     return [_verdict(row) for _, row in table.iterrows()]
 
 
+def spreads(table: pd.DataFrame) -> Table | None:
+    """Return what groups of structures and lengths say together; None where there are none."""
+    groups = table[table["scope"] != ONE]
+    if groups.empty:
+        return None
+    header = ("wave", "estimator", "scope", "mean and range (Å/ps)")
+    return Table(
+        (*header, *VERDICT_HEADER[5:8], "structures"),
+        [
+            [
+                row["wave"],
+                row["estimator"] + (", harmonic" if row["method"] == "harmonic" else ""),
+                row["scope"],
+                _speed(row),
+                *(_in_one(held(row, rod)) for rod in RODS),
+                row["structure"],
+            ]
+            for _, row in groups.iterrows()
+        ],
+    )
+
+
+def held(row: pd.Series, rod: str) -> Held:
+    """Return how an estimate stands against one of the three rods."""
+    ends = (row.get(f"ratio_to_{rod}{end}") for end in ("", "_low", "_high"))
+    ratio = [float("nan") if value is None else float(value) for value in ends]
+    return Held(
+        digits(row.get(f"{rod}_A_per_ps")),
+        BLANK if missing(ratio[0]) else band(Band.of(*ratio)),
+        str(row.get(f"verdict_{rod}", "")),
+    )
+
+
+def _in_one(one: Held) -> str:
+    return BLANK if one.ratio == BLANK else f"{one.ratio} × {one.speed}, {one.word}"
+
+
+def _speed(row: pd.Series) -> str:
+    if missing(row["speed_A_per_ps"]):
+        return BLANK
+    return band(Band.of(*(float(row[f"{end}_A_per_ps"]) for end in ("speed", "low", "high"))))
+
+
+def _kind(row: pd.Series) -> str:
+    """Return the interval's method; what a model spread is over, the page says once."""
+    if str(row["interval"]).startswith(MODEL_SPREAD):
+        return f"{MODEL_SPREAD}, {counted(row['variations'], 'fit')}"
+    return str(row["interval"])
+
+
 def _verdict(row: pd.Series) -> Verdict:
-    spread = f"{row['interval']} of {counted(row['variations'], 'fit')}"
+    structure = "" if row["structure"] == B_DNA else f"structure is {row['structure']}"
+    remarks = (row["why"], row["reason"], structure)
     return Verdict(
         scene=row["scene"],
         wave=row["wave"],
         estimator=row["estimator"],
+        scope=row["scope"],
         speed=digits(row["speed_A_per_ps"]),
         interval=between(row["low_A_per_ps"], row["high_A_per_ps"]),
-        kind=spread if row["variations"] else row["interval"],
-        paper=digits(row["paper_A_per_ps"]),
-        ratio=digits(row["ratio_to_paper"]),
+        kind=_kind(row),
+        paper=held(row, "paper"),
+        rod=held(row, "rod"),
+        lattice=held(row, "lattice"),
         misfit=percent(row["misfit"]),
         half_kick_change=percent(row["half_kick_change"]),
-        verdict=short_verdict(row),
-        reason=row["reason"],
+        remark="; ".join(dict.fromkeys(filter(None, remarks))),
     )
-
-
-def short_verdict(row: pd.Series) -> str:
-    """Return the verdict without the ratio, which has a column of its own."""
-    _, ratio, rest = str(row["verdict"]).partition(" times the paper's")
-    return rest.lstrip(":; ") if ratio else str(row["verdict"])

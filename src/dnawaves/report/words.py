@@ -2,15 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-import pandas as pd
-
-from dnawaves.comparison.steps import agreement, lowest_first
-from dnawaves.report.numbers import between, counted, digits, listed
+from dnawaves.report.numbers import counted, listed
 from dnawaves.scene.excitations import Kick, Periodic, Pulse, StandingWave, Static
 from dnawaves.scene.models import SceneSpec
-from dnawaves.waves.record import AXIAL_WAVES
 
 AXIS = {
     "extension": "along the axis",
@@ -18,72 +12,6 @@ AXIS = {
     "bend": "about a transverse axis",
     "shear": "across the axis",
 }
-
-
-# Which estimate speaks for a wave, the first that there is, and in which words.
-HOW = {
-    "standing wave": "by the lowest standing wave",
-    "resonance": "by the resonance of driven scenes",
-    "static, no load": "by the stiffness under a vanishing load",
-    "waveform": "by the fit to the whole record of a kick",
-    "arrival": "by the arrival of a front",
-}
-
-
-@dataclass(frozen=True)
-class Headline:
-    """What one wave does in one system, in words; `number` is a speed or a frequency."""
-
-    wave: str
-    system: str
-    number: str
-    ratio: str
-    sentence: str
-    agreement: list[str]
-
-
-def headlines(table: pd.DataFrame) -> list[Headline]:
-    """Return one headline for each wave and system in which a speed was found."""
-    found = []
-    for (system, wave), rows in table.groupby(["system", "wave"], sort=False):
-        known = rows[rows["speed_A_per_ps"].notna()]
-        for estimator in HOW:
-            chosen = lowest_first(known[known["estimator"] == estimator])
-            if len(chosen):
-                axial = wave in AXIAL_WAVES
-                words = _headline if axial or estimator != "standing wave" else _dispersive
-                # Where the speed depends on the wavelength, different ones need not agree.
-                sentences = agreement(rows, str(wave)) if axial else []
-                found.append(words(str(wave), str(system), chosen.iloc[0], sentences))
-                break
-    order = list(AXIS)
-    return sorted(found, key=lambda headline: order.index(headline.wave))
-
-
-def _headline(wave: str, system: str, row: pd.Series, sentences: list[str]) -> Headline:
-    interval = between(row["low_A_per_ps"], row["high_A_per_ps"])
-    spread = (
-        f" ({interval} over {counted(row['variations'], 'fit')})"
-        if pd.notna(row["low_A_per_ps"])
-        else ""
-    )
-    speed, ratio = f"{digits(row['speed_A_per_ps'])} Å/ps", digits(row["ratio_to_paper"], 2)
-    sentence = (
-        f"{wave.capitalize()} in this environment: {speed}{spread}, {HOW[row['estimator']]} "
-        f"({row['scene']}), {ratio} times the paper's {digits(row['paper_A_per_ps'])}."
-    )
-    return Headline(wave, system, speed, ratio, sentence, sentences)
-
-
-def _dispersive(wave: str, system: str, row: pd.Series, sentences: list[str]) -> Headline:
-    number, ratio = f"{digits(row['frequency_GHz'])} GHz", digits(row["ratio_to_paper"], 2)
-    sentence = (
-        f"{wave.capitalize()} in this environment: its lowest standing wave here ({row['scene']}) "
-        f"oscillates at {number}, the paper's rod in the same shape at "
-        f"{digits(row['paper_frequency_GHz'])} GHz. Its speed depends on the wavelength: see the "
-        "dispersion."
-    )
-    return Headline(wave, system, number, ratio, sentence, sentences)
 
 
 def scene_sentence(scene: SceneSpec) -> str:
@@ -130,6 +58,11 @@ def _excitation(scene: SceneSpec) -> str:
         return (
             f"A static load of {what.wave}, {_load(what)} {AXIS[what.wave]} on the last base pair, "
             f"relaxed{_scales(what.scales)}."
+        )
+    if scene.system.thermal:
+        return (
+            f"No excitation: thermal equilibrium at {scene.system.environment.temperature_K:g} K, "
+            f"{counted(len(scene.members), 'run')} from other snapshots."
         )
     return "No excitation: the null that shows what the estimators make of no wave."
 
