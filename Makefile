@@ -24,6 +24,7 @@ check: .venv/ready
 	$(BIN)/snakemake --lint
 	$(BIN)/dnawaves check config/config.yaml
 	$(BIN)/dnawaves check config/smoke.yaml
+	$(BIN)/dnawaves check config/paper.yaml
 
 clean:
 	rm -rf .venv .venv-lock .snakemake

@@ -25,6 +25,8 @@ wildcard_constraints:
 include: "workflow/rules/systems.smk"
 include: "workflow/rules/scenes.smk"
 include: "workflow/rules/results.smk"
+include: "workflow/rules/accuracy.smk"
+include: "workflow/rules/stability.smk"
 
 
 report: "workflow/report/workflow.rst"

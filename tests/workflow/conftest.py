@@ -16,6 +16,7 @@ CONFIGURATION = """\
 structures: duplexes.yaml
 environments:
   condensed: {}
+  warm: {temperature_K: 300}
 scenes:
   kicked:
     duplex: eight
@@ -39,6 +40,12 @@ scenes:
     ends: {first: held, last: held}
     excitation: {kind: none}
     observation: {helical: true}
+  thermal:
+    duplex: eight
+    environment: warm
+    ends: {first: free, last: free}
+    observation: {duration_ps: 2}
+    excitation: {kind: none}
 """
 
 Snakemake = Callable[..., subprocess.CompletedProcess[str]]

@@ -10,7 +10,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 
 
-@pytest.mark.parametrize("name", ["config.yaml", "smoke.yaml"])
+@pytest.mark.parametrize("name", ["config.yaml", "smoke.yaml", "paper.yaml"])
 def test_the_shipped_configurations_can_be_planned(
     scheduled: Any, tmp_path: Path, name: str
 ) -> None:
@@ -23,17 +23,26 @@ def test_a_bare_call_plans_every_scene_of_the_folder_s_own_configuration(
     scheduled: Any, project: Path
 ) -> None:
     assert scheduled(project) == [
-        "Building the duplex of eight-condensed",
+        "Building eight-condensed",
+        "Building eight-warm",
         "Checking that eight-condensed is B-DNA",
+        "Checking that eight-warm is B-DNA",
+        "Constants of the rod in eight-condensed",
+        "Constants of the rod in eight-warm",
+        "Equilibrating eight-warm",
+        "Fitting one rod to all waves of eight-condensed",
         "Fitting the speeds of exact",
         "Fitting the speeds of kicked",
         "Fitting the speeds of quiet",
         "Fitting the speeds of swept",
+        "Fitting the speeds of thermal",
         "Freezing the scene exact",
         "Freezing the scene kicked",
         "Freezing the scene quiet",
         "Freezing the scene swept",
+        "Freezing the scene thermal",
         "Freezing the system eight-condensed",
+        "Freezing the system eight-warm",
         "Helical parameters of kicked, x0.5, minus",
         "Helical parameters of kicked, x0.5, plus",
         "Helical parameters of kicked, x1, minus",
@@ -49,7 +58,10 @@ def test_a_bare_call_plans_every_scene_of_the_folder_s_own_configuration(
         "Simulating quiet, run",
         "Simulating swept, f1",
         "Simulating swept, f2",
+        "Simulating thermal, r1",
         "Stiffness of the segments of eight-condensed",
+        "What each effect of eight-condensed costs per step",
+        "What each effect of eight-warm costs per step",
         "Writing results/report.html",
     ]
 

@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def normal(requirement: str) -> str:
-    return requirement.lower().replace(" ", "")
+    return requirement.lower().replace(" ", "").replace("_", "-")
 
 
 def test_the_conda_environment_holds_the_package_s_dependencies() -> None:

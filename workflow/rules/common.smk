@@ -38,6 +38,11 @@ def loaded(path):
 CONFIG = configuration_path(workflow.config_settings, workflow.configfiles)
 SCENES = loaded(CONFIG)
 SYSTEMS = {scene.system.name: scene.system for scene in SCENES.values()}
+# Wildcard constraints; "(?!)" matches nothing.
+AT_REST, THERMAL = (
+    "|".join(name for name in SYSTEMS if SYSTEMS[name].thermal == thermal) or "(?!)"
+    for thermal in (False, True)
+)
 
 
 def modes_for(scene):
@@ -45,3 +50,15 @@ def modes_for(scene):
     first, last = held_counts(scene.ends)
     file = f"results/systems/{scene.system.name}/modes/{first}-{last}.nc"
     return [file] if scene.method == "harmonic" else []
+
+
+def start_of(system):
+    """Return the file that a system's scenes start from: its minimum, or snapshots above 0 K."""
+    name = "equilibrated.nc" if system.thermal else "relaxed.nc"
+    return f"results/systems/{system.name}/{name}"
+
+
+def hessian_for(scene):
+    """Return the Hessian that a static load's linear answer needs, none for other scenes."""
+    file = f"results/systems/{scene.system.name}/hessian.npz"
+    return [file] if scene.excitation.kind == "static" else []

@@ -28,8 +28,8 @@ rule simulate:
     input:
         scene="results/scenes/{scene}/scene.json",
         built=lambda w: f"results/systems/{SCENES[w.scene].system.name}/built.pdb",
-        relaxed=lambda w: f"results/systems/{SCENES[w.scene].system.name}/relaxed.nc",
-        hessian=lambda w: f"results/systems/{SCENES[w.scene].system.name}/hessian.npz",
+        start=lambda w: start_of(SCENES[w.scene].system),
+        hessian=lambda w: hessian_for(SCENES[w.scene]),
         fitted=lambda w: [
             f"results/scenes/{source}/speeds.csv" for source in SCENES[w.scene].needs
         ],
@@ -54,6 +54,7 @@ rule simulate:
             f"--fitted results/scenes/{source}/speeds.csv"
             for source in SCENES[w.scene].needs
         ],
+        hessian=lambda w, input: f"--hessian {input.hessian}" if input.hessian else "",
         modes=lambda w, input: f"--modes {input.modes}" if input.modes else "",
         trajectory=lambda w, output: (
             f"--trajectory {output.trajectory}"
@@ -63,9 +64,10 @@ rule simulate:
     message:
         "Simulating {wildcards.scene}, {wildcards.member}"
     shell:
-        "dnawaves simulate {input.scene} {input.built} {input.relaxed} {input.hessian}"
+        "dnawaves simulate {input.scene} {input.built} {input.start}"
         " --member {wildcards.member} --output {output.motion}"
-        " {params.trajectory} {params.fitted} {params.modes} --threads {threads} > {log} 2>&1"
+        " {params.trajectory} {params.fitted} {params.hessian} {params.modes}"
+        " --threads {threads} > {log} 2>&1"
 
 
 use rule simulate as simulate_with_trajectory with:
@@ -125,3 +127,37 @@ rule analyse:
     shell:
         "dnawaves analyse {input.scene} {input.motions}"
         " --output {output.speeds} --waves {output.waves} > {log} 2>&1"
+
+
+def waves_of(system):
+    """Return the motion of the scenes whose waves say something of one system's rod at rest."""
+    kinds = ("kick", "standing_wave", "pulse", "periodic")
+    return [
+        f"results/scenes/{scene.name}/{member}/motion.nc"
+        for scene in SCENES.values()
+        if scene.system.name == system and scene.excitation.kind in kinds
+        for member in scene.members
+    ]
+
+
+rule joint:
+    input:
+        motions=lambda w: waves_of(w.system),
+    output:
+        "results/systems/{system}/joint.csv",
+    log:
+        "results/logs/joint/{system}.log",
+    benchmark:
+        "results/benchmarks/joint/{system}.tsv"
+    wildcard_constraints:
+        system=AT_REST,
+    conda:
+        "../envs/dnawaves.yaml"
+    threads: 1
+    resources:
+        mem_mb=2000,
+        runtime=30,
+    message:
+        "Fitting one rod to all waves of {wildcards.system}"
+    shell:
+        "dnawaves joint {input.motions} --output {output} > {log} 2>&1"

@@ -1,4 +1,5 @@
-# From a sequence to the relaxed duplex that every scene of a system starts from.
+# From a sequence, or a user's structure, to the minimum or the snapshots that every scene of a
+# system starts from.
 
 
 rule freeze_system:
@@ -27,7 +28,8 @@ rule freeze_system:
 
 rule build:
     input:
-        "results/systems/{system}/system.json",
+        spec="results/systems/{system}/system.json",
+        file=lambda w: SYSTEMS[w.system].duplex.file or [],
     output:
         "results/systems/{system}/built.pdb",
     log:
@@ -38,12 +40,12 @@ rule build:
         "../envs/dnawaves.yaml"
     threads: 1
     resources:
-        mem_mb=1000,
+        mem_mb=2000,
         runtime=10,
     message:
-        "Building the duplex of {wildcards.system}"
+        "Building {wildcards.system}"
     shell:
-        "dnawaves build {input} --output {output} > {log} 2>&1"
+        "dnawaves build {input.spec} --output {output} > {log} 2>&1"
 
 
 rule relax:
@@ -57,9 +59,11 @@ rule relax:
         "results/logs/relax/{system}.log",
     benchmark:
         "results/benchmarks/relax/{system}.tsv"
+    wildcard_constraints:
+        system=AT_REST,
     conda:
         "../envs/dnawaves.yaml"
-    threads: 2
+    threads: 1
     resources:
         mem_mb=6000,
         runtime=120,
@@ -68,6 +72,32 @@ rule relax:
     shell:
         "dnawaves relax {input.spec} {input.built} --output {output.relaxed}"
         " --hessian {output.hessian} --threads {threads} > {log} 2>&1"
+
+
+rule equilibrate:
+    input:
+        spec="results/systems/{system}/system.json",
+        built="results/systems/{system}/built.pdb",
+    output:
+        "results/systems/{system}/equilibrated.nc",
+    log:
+        "results/logs/equilibrate/{system}.log",
+    benchmark:
+        "results/benchmarks/equilibrate/{system}.tsv"
+    wildcard_constraints:
+        system=THERMAL,
+    conda:
+        "../envs/dnawaves.yaml"
+    # One thread gives the same digits every time; water is too slow for that.
+    threads: lambda w: 2 if SYSTEMS[w.system].explicit else 1
+    resources:
+        mem_mb=4000,
+        runtime=720,
+    message:
+        "Equilibrating {wildcards.system}"
+    shell:
+        "dnawaves equilibrate {input.spec} {input.built} --output {output}"
+        " --threads {threads} > {log} 2>&1"
 
 
 rule modes:
@@ -84,11 +114,12 @@ rule modes:
     benchmark:
         "results/benchmarks/modes/{system}.{first}-{last}.tsv"
     wildcard_constraints:
+        system=AT_REST,
         first=r"\d+",
         last=r"\d+",
     conda:
         "../envs/dnawaves.yaml"
-    threads: 2
+    threads: 1
     resources:
         mem_mb=4000,
         runtime=60,
@@ -108,6 +139,8 @@ rule segments:
         "results/logs/segments/{system}.log",
     benchmark:
         "results/benchmarks/segments/{system}.tsv"
+    wildcard_constraints:
+        system=AT_REST,
     conda:
         "../envs/dnawaves.yaml"
     threads: 1
@@ -124,7 +157,7 @@ rule inspect:
     input:
         spec="results/systems/{system}/system.json",
         built="results/systems/{system}/built.pdb",
-        relaxed="results/systems/{system}/relaxed.nc",
+        start=lambda w: start_of(SYSTEMS[w.system]),
     output:
         structure="results/systems/{system}/structure.nc",
         base_atoms="results/systems/{system}/base_atoms.pdb",
@@ -142,5 +175,28 @@ rule inspect:
     message:
         "Checking that {wildcards.system} is B-DNA"
     shell:
-        "dnawaves inspect {input.spec} {input.built} {input.relaxed} --output {output.structure}"
+        "dnawaves inspect {input.spec} {input.built} {input.start} --output {output.structure}"
         " --base-atoms {output.base_atoms} --structure {output.relaxed} > {log} 2>&1"
+
+
+rule costs:
+    input:
+        spec="results/systems/{system}/system.json",
+        built="results/systems/{system}/built.pdb",
+        start=lambda w: start_of(SYSTEMS[w.system]),
+    output:
+        "results/systems/{system}/costs.csv",
+    log:
+        "results/logs/costs/{system}.log",
+    benchmark:
+        "results/benchmarks/costs/{system}.tsv"
+    conda:
+        "../envs/dnawaves.yaml"
+    threads: 1
+    resources:
+        mem_mb=2000,
+        runtime=30,
+    message:
+        "What each effect of {wildcards.system} costs per step"
+    shell:
+        "dnawaves costs {input.spec} {input.built} {input.start} --output {output} > {log} 2>&1"
