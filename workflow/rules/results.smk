@@ -2,7 +2,6 @@
 
 from dnawaves.scene.pairs import fixed_counts
 
-
 # What each effect costs is measured once for T = 0 and in every system above.
 PRICED = [name for name in SYSTEMS if not SYSTEMS[name].thermal][:1] + [
     name for name in SYSTEMS if SYSTEMS[name].thermal
@@ -157,7 +156,10 @@ rule report:
         # No input: a study takes hours, and must not run because its page is shown here.
         studies=lambda w: [
             (path, Path(path).stat().st_mtime_ns)
-            for path in ("results/accuracy/settings.csv", "results/stability/table.csv")
+            for path in (
+                "results/accuracy/settings.csv",
+                "results/stability/table.csv",
+            )
             if Path(path).exists()
         ],
     message:
