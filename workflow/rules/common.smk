@@ -4,7 +4,7 @@ from snakemake.exceptions import WorkflowError
 
 from dnawaves.errors import InputError
 from dnawaves.scene.load import load_scenes
-from dnawaves.scene.pairs import held_counts
+from dnawaves.scene.pairs import fixed_counts, held_counts
 
 
 def configuration_path(settings, configfiles):
@@ -62,3 +62,37 @@ def hessian_for(scene):
     """Return the Hessian that a static load's linear answer needs, none for other scenes."""
     file = f"results/systems/{scene.system.name}/hessian.npz"
     return [file] if scene.excitation.kind == "static" else []
+
+
+def waves_of(system):
+    """Return the motion of the scenes whose waves say something of one system's rod at rest."""
+    kinds = ("kick", "standing_wave", "pulse", "periodic")
+    return [
+        f"results/scenes/{scene.name}/{member}/motion.nc"
+        for scene in SCENES.values()
+        if scene.system.name == system and scene.excitation.kind in kinds
+        for member in scene.members
+    ]
+
+
+def in_equilibrium(system):
+    """Return a system's scenes above 0 K that fluctuate freely: they know its constants."""
+    return [
+        scene
+        for scene in SCENES.values()
+        if scene.system.name == system
+        and scene.system.thermal
+        and scene.excitation.kind == "none"
+        and not any(fixed_counts(scene.ends))
+    ]
+
+
+def helical_of(scenes):
+    """Return the helical parameters that scenes record."""
+    return [
+        f"results/scenes/{scene.name}/{member}/{sign}.helical.nc"
+        for scene in scenes
+        if scene.observation.helical
+        for member in scene.members
+        for sign in scene.signs
+    ]

@@ -1,7 +1,5 @@
 # From all scenes to the rods' constants, one table and one page.
 
-from dnawaves.scene.pairs import fixed_counts
-
 # What each effect costs is measured once for T = 0 and in every system above.
 PRICED = [name for name in SYSTEMS if not SYSTEMS[name].thermal][:1] + [
     name for name in SYSTEMS if SYSTEMS[name].thermal
@@ -16,27 +14,27 @@ SIMULATED = {
 }
 
 
-def in_equilibrium(system):
-    """Return a system's scenes above 0 K that fluctuate freely: they know its constants."""
-    return [
-        scene
-        for scene in SCENES.values()
-        if scene.system.name == system
-        and scene.system.thermal
-        and scene.excitation.kind == "none"
-        and not any(fixed_counts(scene.ends))
-    ]
-
-
-def helical_of(scenes):
-    """Return the helical parameters that scenes record."""
-    return [
-        f"results/scenes/{scene.name}/{member}/{sign}.helical.nc"
-        for scene in scenes
-        if scene.observation.helical
-        for member in scene.members
-        for sign in scene.signs
-    ]
+rule costs:
+    input:
+        spec="results/systems/{system}/system.json",
+        built="results/systems/{system}/built.pdb",
+        start=lambda w: start_of(SYSTEMS[w.system]),
+    output:
+        "results/systems/{system}/costs.csv",
+    log:
+        "results/logs/costs/{system}.log",
+    benchmark:
+        "results/benchmarks/costs/{system}.tsv"
+    conda:
+        "../envs/dnawaves.yaml"
+    threads: 1
+    resources:
+        mem_mb=2000,
+        runtime=30,
+    message:
+        "What each effect of {wildcards.system} costs per step"
+    shell:
+        "dnawaves costs {input.spec} {input.built} {input.start} --output {output} > {log} 2>&1"
 
 
 rule constants:

@@ -129,17 +129,6 @@ rule analyse:
         " --output {output.speeds} --waves {output.waves} > {log} 2>&1"
 
 
-def waves_of(system):
-    """Return the motion of the scenes whose waves say something of one system's rod at rest."""
-    kinds = ("kick", "standing_wave", "pulse", "periodic")
-    return [
-        f"results/scenes/{scene.name}/{member}/motion.nc"
-        for scene in SCENES.values()
-        if scene.system.name == system and scene.excitation.kind in kinds
-        for member in scene.members
-    ]
-
-
 rule joint:
     input:
         motions=lambda w: waves_of(w.system),

@@ -177,26 +177,3 @@ rule inspect:
     shell:
         "dnawaves inspect {input.spec} {input.built} {input.start} --output {output.structure}"
         " --base-atoms {output.base_atoms} --structure {output.relaxed} > {log} 2>&1"
-
-
-rule costs:
-    input:
-        spec="results/systems/{system}/system.json",
-        built="results/systems/{system}/built.pdb",
-        start=lambda w: start_of(SYSTEMS[w.system]),
-    output:
-        "results/systems/{system}/costs.csv",
-    log:
-        "results/logs/costs/{system}.log",
-    benchmark:
-        "results/benchmarks/costs/{system}.tsv"
-    conda:
-        "../envs/dnawaves.yaml"
-    threads: 1
-    resources:
-        mem_mb=2000,
-        runtime=30,
-    message:
-        "What each effect of {wildcards.system} costs per step"
-    shell:
-        "dnawaves costs {input.spec} {input.built} {input.start} --output {output} > {log} 2>&1"
