@@ -86,7 +86,7 @@ def mark(figure: go.Figure, table: pd.DataFrame, column: str, names: Sequence[st
         x=shown["relative_cost"],
         y=100 * shown[column],
         mode="markers",
-        name="as shipped",
+        name="shipped, or the default of the study",
         marker={
             "symbol": "diamond-open",
             "size": 13,
