@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from itertools import count
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import openmm
@@ -15,6 +15,7 @@ from scipy.stats import binom
 
 from dnawaves.files import write_json
 from dnawaves.system.duplex import SimulatedDuplex
+from dnawaves.trajectory import costs as costs_module
 from dnawaves.trajectory.costs import (
     LEFT_OUT_AT_EITHER_END,
     REPEATS,
@@ -117,10 +118,41 @@ def test_the_table_of_a_system(relaxed: Any, tmp_path: Path) -> None:
     assert set(table["system"]) == {"small-condensed"}
     assert (table[["ms_per_step_without", "ms_per_step_whole"]] > 0).all(axis=None)
     assert (table["low"] <= table["ms_saved"]).all() and (table["ms_saved"] <= table["high"]).all()
-    # The costliest force by far: two thirds of a step on an idle machine.
-    saved = table.set_index("effect")["ms_saved"]
-    assert saved["nonbonded"] > 0
-    assert saved["nonbonded"] == saved.max()
+
+
+class Priced:
+    """A probe whose clock shows the price of what its variant has, instead of a time."""
+
+    FORCES_MS: ClassVar = {
+        "HarmonicBondForce": 0.01,
+        "HarmonicAngleForce": 0.02,
+        "PeriodicTorsionForce": 0.04,
+        "NonbondedForce": 0.5,
+        "CustomExternalForce": 0.08,
+    }
+    INTEGRATORS_MS: ClassVar = {"VerletIntegrator": 0.001, "CustomIntegrator": 0.03}
+
+    def __init__(self, variant: Variant, duplex: SimulatedDuplex) -> None:
+        acting = [
+            force
+            for force in variant.system.getForces()
+            if variant.groups is None or force.getForceGroup() in variant.groups
+        ]
+        self.price_ms = sum(self.FORCES_MS[type(force).__name__] for force in acting)
+        self.price_ms += self.INTEGRATORS_MS[type(variant.integrator).__name__]
+
+    def step_ms(self, steps: int) -> float:
+        return self.price_ms
+
+
+def test_each_row_is_the_price_of_its_effect(
+    as_built: Callable[..., SimulatedDuplex], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(costs_module, "Probe", Priced)
+    table = costs_module.costs(as_built("CGCG")).set_index("effect")
+    prices = {"bonded": 0.07, "nonbonded": 0.5, "restraint": 0.08, "drive": 0.029}
+    for column in ("ms_saved", "low", "high"):
+        assert table[column].to_dict() == pytest.approx(prices, rel=1e-9)
 
 
 def test_a_machine_that_gets_slower_falsifies_no_difference() -> None:
