@@ -1,9 +1,12 @@
-"""What a step costs without solvent, in implicit and in explicit solvent.
+"""What a step costs without solvent, in implicit and in explicit solvent, by length and threads.
 
-python benchmarks/solvent.py PAIRS [THREADS] [MODEL...]: milliseconds a step on the CPU platform
-(300 K, 1 fs) for a duplex of PAIRS base pairs, and the ratio to the first row of the same run.
-Models, all unless some are named: none (condensed counterions, reaction field), OBC2, OBC2-custom
-(the form of OpenMM's implicit/obc2.xml), GBn2, TIP3P, OPC. Each time is the best of five.
+python benchmarks/solvent.py PAIRS[,PAIRS...] [THREADS[,THREADS...]] [MODEL...]: milliseconds a step
+on the CPU platform (300 K, 1 fs) for duplexes of so many base pairs, the ratio to the first model
+of the same run, and ns/day; for several lengths also the power of the number of particles with
+which the time grows, from the first to the last. THREADS is 1, 2, ... or `2x1`: two processes of
+one thread each at the same time, whose time is that of a step of both, halved. Models, all unless
+some are named: none (condensed counterions, reaction field), OBC2, OBC2-custom (the form of
+OpenMM's implicit/obc2.xml), GBn2, TIP3P, OPC. Each time is the best of five.
 """
 
 from __future__ import annotations
@@ -11,6 +14,10 @@ from __future__ import annotations
 import sys
 import time
 from itertools import cycle, islice
+from math import log
+from multiprocessing import get_context
+from multiprocessing.synchronize import Barrier
+from typing import Any
 
 import numpy as np
 import openmm
@@ -54,7 +61,12 @@ def prepared(model: str, pairs: int) -> tuple[openmm.System, NDArray[np.float64]
     return system, positions
 
 
-def ms_per_step(system: openmm.System, positions_nm: NDArray[np.float64], threads: int) -> float:
+def ms_per_step(
+    system: openmm.System,
+    positions_nm: NDArray[np.float64],
+    threads: int,
+    start_together: Barrier | None = None,
+) -> float:
     """Return the best of several timings of Verlet steps."""
     integrator = openmm.VerletIntegrator(TIMESTEP_PS)
     platform = openmm.Platform.getPlatformByName("CPU")
@@ -68,32 +80,66 @@ def ms_per_step(system: openmm.System, positions_nm: NDArray[np.float64], thread
     steps = max(3, round(REPEAT_S / (time.perf_counter() - start) * 3))
     timings = []
     for _ in range(REPEATS):
+        if start_together is not None:
+            start_together.wait()
         start = time.perf_counter()
         integrator.step(steps)
         timings.append((time.perf_counter() - start) / steps)
     return 1e3 * min(timings)
 
 
-def main(pairs: int, threads: int, models: list[str]) -> None:
-    print("model         particles  ms/step    ratio   ns/day")
-    first = None
-    for model in models:
+def cost(model: str, pairs: int, threads: str) -> tuple[int, float]:
+    """Return the number of particles, and milliseconds per step and copy."""
+    if "x" not in threads:
         system, positions = prepared(model, pairs)
-        cost = ms_per_step(system, positions, threads)
-        first = first or cost
-        ns_per_day = TIMESTEP_PS * 1e-3 * 86_400e3 / cost
-        print(
-            f"{model:12s}  {system.getNumParticles():9d}  {cost:7.2f}  {cost / first:7.2f}"
-            f"  {ns_per_day:7.3f}",
-            flush=True,
-        )
+        return system.getNumParticles(), ms_per_step(system, positions, int(threads))
+    copies, each = map(int, threads.split("x"))
+    spawn = get_context("spawn")
+    together, answers = spawn.Barrier(copies), spawn.SimpleQueue()
+    workers = [
+        spawn.Process(target=_copy, args=(model, pairs, each, together, answers))
+        for _ in range(copies)
+    ]
+    for worker in workers:
+        worker.start()
+    found = [answers.get() for _ in workers]
+    for worker in workers:
+        worker.join()
+    return found[0][0], float(np.mean([ms for _, ms in found])) / copies
+
+
+def _copy(model: str, pairs: int, threads: int, together: Barrier, answers: Any) -> None:
+    system, positions = prepared(model, pairs)
+    answers.put((system.getNumParticles(), ms_per_step(system, positions, threads, together)))
+
+
+def main(lengths: list[int], threads: list[str], models: list[str]) -> None:
+    print("pairs  threads  model         particles  ms/step    ratio   ns/day")
+    found: dict[tuple[str, str], list[tuple[int, float]]] = {}
+    for pairs in lengths:
+        for many in threads:
+            first = None
+            for model in models:
+                particles, ms = cost(model, pairs, many)
+                first = first or ms
+                found.setdefault((many, model), []).append((particles, ms))
+                print(
+                    f"{pairs:5d}  {many:>7s}  {model:12s}  {particles:9d}  {ms:7.2f}"
+                    f"  {ms / first:7.2f}  {TIMESTEP_PS * 1e-3 * 86_400e3 / ms:7.3f}",
+                    flush=True,
+                )
+    if len(lengths) > 1:
+        print("\nthreads  model         time grows as particles to the power of")
+        for (many, model), rows in found.items():
+            (few, short), (most, long) = rows[0], rows[-1]
+            print(f"{many:>7s}  {model:12s}  {log(long / short) / log(most / few):.2f}")
 
 
 if __name__ == "__main__":
     if len(sys.argv) < 2 or not set(sys.argv[3:]) <= set(MODELS):
         sys.exit(__doc__)
     main(
-        int(sys.argv[1]),
-        int(sys.argv[2]) if len(sys.argv) > 2 else 1,
+        [int(pairs) for pairs in sys.argv[1].split(",")],
+        sys.argv[2].split(",") if len(sys.argv) > 2 else ["1"],
         sys.argv[3:] or list(MODELS),
     )
