@@ -139,6 +139,8 @@ def row(label: str, outcomes: Sequence[Outcome]) -> str:
     if np.mean(~(np.abs(errors) < 50)) > 0.1:
         return f"| {label} | fails | | | {flags} |"
     good = errors[np.isfinite(errors)]
+    if len(good) < len(errors):
+        label += f" ({len(errors) - len(good)} of {len(errors)} draws give none)"
     low, middle, high = np.quantile(good, [0.16, 0.5, 0.84])
     return (
         f"| {label} | {middle:+.2f} ± {(high - low) / 2:.2f} | {good.mean():+.2f} "

@@ -23,15 +23,15 @@ from dnawaves.scene.load import read_scene
 from dnawaves.scene.models import SceneSpec
 from dnawaves.scene.pairs import held_pairs
 from dnawaves.system.duplex import SimulatedDuplex
-from dnawaves.system.guided import STATIC_WAVES
 from dnawaves.system.modes import normal_modes
 from dnawaves.system.relax import read_relaxed
 from dnawaves.trajectory.dynamics import Dynamics
 from dnawaves.trajectory.harmonic import respond
 from dnawaves.trajectory.pattern import kick_pattern
-from dnawaves.trajectory.plan import Plan, make_plan
+from dnawaves.trajectory.plan import Plan, plan_of
 from dnawaves.trajectory.record import Recorder
 from dnawaves.trajectory.signed_copy import hold
+from dnawaves.trajectory.steps import first_estimates_in
 from dnawaves.trajectory.verlet import leapfrog
 
 # Platform, timestep in fs, multiple of the scene's kick.
@@ -72,13 +72,9 @@ def main(results: Path, name: str) -> None:
     folder = results / "systems" / scene.system.name
     duplex = read_relaxed(scene.system, folder / "built.pdb", folder / "relaxed.nc")
     attributes = read_netcdf(folder / "relaxed.nc").attrs
-    estimates = {
-        wave: float(attributes[f"first_estimate_{wave}_A_per_ps"]) for wave in STATIC_WAVES
-    }
     free = ~np.isin(duplex.pairs, held_pairs(scene.ends, duplex.pair_count))
     hessian = scipy.sparse.load_npz(folder / "hessian.npz")
     modes = normal_modes(hessian, duplex.masses_Da, duplex.bodies, free)
-    length_A = 10 * float(duplex.heights_nm[-1] - duplex.heights_nm[0])
     wave = scene.excitation.wave
     print("platform   timestep_fs  kick  wall_s  of_own_peak  of_largest_peak")
     for platform, timestep_fs, scale in RUNS:
@@ -86,7 +82,7 @@ def main(results: Path, name: str) -> None:
             update={"timestep_fs": timestep_fs, "interval_fs": 60.0, "crossings": 1.0}
         )
         one = scene.model_copy(update={"observation": observation})
-        plan = make_plan(one, one.members[0], estimates, length_A, 10 * duplex.spacing_nm)
+        plan = plan_of(duplex, one, one.members[0], first_estimates_in(attributes))
         started = time.perf_counter()
         simulated = simulate(duplex, one, plan, scale, platform)
         wall_s = time.perf_counter() - started

@@ -16,8 +16,8 @@ from dnawaves.motion.structure import inspect_structure
 from dnawaves.scene.load import load_scenes
 from dnawaves.system.duplex import read_built
 from dnawaves.system.forces import load_force_field
-from dnawaves.system.guided import STATIC_WAVES
 from dnawaves.system.relax import relax
+from dnawaves.trajectory.steps import first_estimates_in
 
 
 def main(config: Path, name: str, seeds: list[int]) -> None:
@@ -38,9 +38,7 @@ def main(config: Path, name: str, seeds: list[int]) -> None:
             minimum = duplex.with_positions(dataset["position_nm"].values)
             write_pdb(duplex.topology, minimum.positions_nm, relaxed)
             structure = inspect_structure(minimum, built, relaxed).attrs
-            speeds = [
-                float(dataset.attrs[f"first_estimate_{wave}_A_per_ps"]) for wave in STATIC_WAVES
-            ]
+            speeds = list(first_estimates_in(dataset.attrs).values())
             print(
                 f"{seed:4d}  {dataset.attrs['energy_kJ_per_mol']:17.1f}  {speeds[0]:18.2f}  "
                 f"{speeds[1]:14.2f}  {structure['rmsd_to_built_A']:6.2f}  {structure['verdict']}",

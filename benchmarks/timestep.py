@@ -12,10 +12,10 @@ from pathlib import Path
 
 from dnawaves.files import read_netcdf
 from dnawaves.scene.load import read_scene
-from dnawaves.system.guided import STATIC_WAVES
 from dnawaves.system.relax import read_relaxed
-from dnawaves.trajectory.plan import make_plan
+from dnawaves.trajectory.plan import plan_of
 from dnawaves.trajectory.run import run_member
+from dnawaves.trajectory.steps import first_estimates_in
 from dnawaves.waves.analyse import analyse
 from dnawaves.waves.record import Record
 
@@ -26,11 +26,7 @@ def main(results: Path, name: str) -> None:
     scene = read_scene(results / "scenes" / name / "scene.json")
     folder = results / "systems" / scene.system.name
     duplex = read_relaxed(scene.system, folder / "built.pdb", folder / "relaxed.nc")
-    attributes = read_netcdf(folder / "relaxed.nc").attrs
-    estimates = {
-        wave: float(attributes[f"first_estimate_{wave}_A_per_ps"]) for wave in STATIC_WAVES
-    }
-    length_A = 10 * float(duplex.heights_nm[-1] - duplex.heights_nm[0])
+    estimates = first_estimates_in(read_netcdf(folder / "relaxed.nc").attrs)
     reference = None
     print("timestep_fs  wall_s  speed_A_per_ps  change_from_first")
     for timestep_fs in TIMESTEPS_FS:
@@ -38,7 +34,7 @@ def main(results: Path, name: str) -> None:
             update={"timestep_fs": timestep_fs, "interval_fs": 60.0}
         )
         one = scene.model_copy(update={"observation": observation})
-        plan = make_plan(one, one.members[0], estimates, length_A, 10 * duplex.spacing_nm)
+        plan = plan_of(duplex, one, one.members[0], estimates)
         started = time.perf_counter()
         recorder = run_member(duplex, one, plan, one.members[0], {})
         wall_s = time.perf_counter() - started

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 from collections.abc import Iterator, Mapping
@@ -86,6 +87,12 @@ def read_netcdf(path: Path, *needed: str) -> xr.Dataset:
             f"allowed: a file that holds {', '.join(missing)}"
         )
     return dataset
+
+
+def digest(content: str | bytes) -> str:
+    """Return the SHA-256 of a text or of bytes."""
+    data = content.encode() if isinstance(content, str) else content
+    return hashlib.sha256(data).hexdigest()
 
 
 def provenance(*packages: str) -> dict[str, str]:

@@ -14,13 +14,12 @@ from dnawaves.accuracy.figures import marks, work_precision
 from dnawaves.accuracy.front import order
 from dnawaves.accuracy.table import tables, write_csv
 from dnawaves.cli import app
-from dnawaves.report.accuracy_page import fronts_table, illustrations, render
+from dnawaves.report.accuracy_page import NO_COSTS, fronts_table, illustrations, render
 from dnawaves.scene.load import load_scenes
 
 from .conftest import row
 
 CONFIG = Path(__file__).parents[2] / "config"
-NO_COSTS = pd.DataFrame({"system": [], "effect": [], "ms_saved": [], "ms_per_step_whole": []})
 
 
 def slope(trace: go.Scatter) -> float:
@@ -80,6 +79,8 @@ def test_the_page_opens_offline_and_says_who_is_beaten(settings: pd.DataFrame) -
     # 4 % at 2 fs; a tenth of the kick errs by 1.3 % at the same cost.
     assert cells["extension_kick"][4:6] == ["4.0\u00a0%", "3.1 ×, beaten"]
     assert "thermal" in html or "not among those studied" in html
+    # Why a scene has no setting stands where its setting would.
+    assert cells["thermal_held"][1] == "it is thermal, and the study's runs start at T = 0"
 
 
 def test_an_effect_is_joined_with_what_it_costs_per_step(settings: pd.DataFrame) -> None:

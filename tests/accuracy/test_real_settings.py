@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import scipy.sparse
+from numpy.typing import NDArray
 
-from dnawaves.accuracy.engine import hydrogen_bonds, system_under
+from dnawaves.accuracy import pair_run
+from dnawaves.accuracy.engine import FAST, SLOW, Engine, hydrogen_bonds, system_under
 from dnawaves.accuracy.errors import errors, scaled
 from dnawaves.accuracy.front import order
 from dnawaves.accuracy.models import Case, Numerics, Study, Truth
@@ -133,6 +137,14 @@ def test_constraints_keep_the_minimums_lengths_and_masses_their_sum(start: Start
     assert not masses[duplex.pairs == 5].any()
 
 
+def test_of_several_timesteps_the_nonbonded_force_alone_has_the_long_one(start: Start) -> None:
+    numerics = Numerics(integrator="multiple timestep", inner_steps=2)
+    system = system_under(start.duplex, [], numerics)
+    groups = {type(force).__name__: force.getForceGroup() for force in system.getForces()}
+    assert groups.pop("NonbondedForce") == SLOW
+    assert set(groups.values()) == {FAST}
+
+
 def test_four_times_the_replicas_halve_the_noise(start: Start, linear: Observed) -> None:
     spread = [
         np.std(
@@ -147,12 +159,26 @@ def test_four_times_the_replicas_halve_the_noise(start: Start, linear: Observed)
     assert spread[0] / spread[1] == pytest.approx(2, rel=0.15)
 
 
-def test_a_row_of_a_real_setting(start: Start, linear: Observed) -> None:
+def test_a_row_of_a_real_setting(
+    start: Start, linear: Observed, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    taken, advance = [0], Engine.advance
+
+    def counted(one: Engine, steps: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        taken[0] += steps
+        return advance(one, steps)
+
+    def clock() -> int:
+        return taken[0]
+
+    monkeypatch.setattr(Engine, "advance", counted)
+    ticks = SimpleNamespace(process_time=clock, perf_counter=clock)
+    monkeypatch.setattr(pair_run, "time", ticks)
     row = measure(setting(start, {"timestep_fs": 1}), start, start, {"linear": linear})
     assert row["status"] == "ok"
     assert 0 < row["waveform_error"] < 0.03  # type: ignore[operator]
-    # Twice the steps, but reading frames costs the same; a busy machine adds to both.
-    assert 1.1 < row["relative_cost"] < 4  # type: ignore[operator]
+    # By a clock that counts timesteps: twice as many as at the default's 2 fs.
+    assert row["relative_cost"] == pytest.approx(2, rel=1e-12)
     assert row["processor"]
 
 

@@ -8,7 +8,6 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from dnawaves.comparison.agreement import agreement
 from dnawaves.comparison.compare import ADDED, ONE, compare
 from dnawaves.errors import InputError
 from dnawaves.scene.models import SceneSpec
@@ -221,36 +220,48 @@ def test_lengths_are_a_group_of_their_own(tmp_path: Path, scene: MakeScene) -> N
     assert (group["scope"], group["low_A_per_ps"]) == ("over 2 lengths", 17.0)
 
 
-def test_agreement_names_what_differs_and_why(tmp_path: Path, scene: MakeScene) -> None:
+def test_many_lengths_are_no_draws_of_one_speed(tmp_path: Path, scene: MakeScene) -> None:
+    sequence = "CGATCAGTCAGCTAGCATGCGTAC"
+    names = [f"n{pairs}" for pairs in range(12, 23, 2)]
+    specs = {name: scene(name, duplex=name, sequence=sequence[: int(name[1:])]) for name in names}
     rows = [
-        spread(
-            estimate("m1", "standing wave", frequency_GHz=113.0, misfit=0.03),
-            [16.5, 16.0, 17.0],
-            8.19,
-        ),
-        spread(estimate("k", "waveform", misfit=0.4), [15.9, 15.0, 16.4], 8.19),
-        spread(estimate("p", "waveform", misfit=0.6, reason="poor fit"), [16.5], 8.19),
-        spread(estimate("l", "static"), [13.7], 8.19),
-        spread(estimate("l", "static, held across"), [17.7], 8.19),
-        # Its own bias is that of the paper's rod, which is 10 % too fast by the same pick.
-        spread(estimate("a", "arrival"), [18.2, 17.5, 19.0], 1.1 * 8.19),
+        spread(estimate(name, "standing wave", system=f"{name}-e"), [16.0, 15.9, 16.1], 8.19)
+        for name in names
     ]
-    specs = {name: scene(name) for name in ("m1", "k", "p", "l", "a")}
-    segments = pd.DataFrame({"steps": [1, 16], "extension_A_per_ps": [11.5, 15.5]})
-    found = agreement(compare([table(tmp_path, *rows)], specs, B_DNA, {}), "extension", segments)
-    assert found is not None
-    assert "m1" in found.yardstick and "16.5" in found.yardstick
-    by_name = {route.sentence.split(":")[0]: route for route in found.routes}
-    assert {name: route.word for name, route in by_name.items()} == {
-        "k, waveform": "agree",
-        "p, waveform": "undecided",
-        "l, static": "disagree",
-        "a, arrival": "agree",
+    found = compare([table(tmp_path, *rows)], specs, {f"{name}-e": "B-DNA" for name in names}, {})
+    group = found.iloc[-1]
+    assert (group["scope"], group["verdict_paper"]) == ("over 6 lengths", "undecided")
+    assert group["why"] == "lengths are no draws of one speed"
+
+
+@pytest.mark.parametrize(("speed", "word"), [(16.0, "disagree"), (8.0, "agree")])
+def test_arrivals_over_several_lengths_give_one_speed_without_their_delay(
+    tmp_path: Path, scene: MakeScene, speed: float, word: str
+) -> None:
+    sequence = "CGATCAGTCAGCTAGCATGCGTAC"
+    names = [f"n{pairs}" for pairs in (12, 16, 20, 24)]
+    specs = {
+        name: scene(name, "kick", duplex=name, sequence=sequence[: int(name[1:])]) for name in names
     }
-    said = by_name["l, static"].sentence
-    assert said.startswith("l, static: −17%, differs") and "17.7" in said
-    assert "11.5 Å/ps over 1 step and 15.5 over 16" in said
-    assert "2 agree with it within both intervals, 1 differ and 1 decide nothing" in found.sentence
+    rows = []
+    for name, scatter_ps in zip(names, (0.01, -0.01, -0.01, 0.01), strict=True):
+        length = 3.4 * int(name[1:])
+        # A delay of half a picosecond; the paper's rod has one of 0.2.
+        time, paper = 0.5 + length / speed + scatter_ps, 0.2 + length / 8.0
+        one = estimate(name, "arrival", system=f"{name}-e", arrival_ps=time, paper_arrival_ps=paper)
+        rows.append(spread(one, [length / time, 0.99 * length / time], length / paper))
+    forms = {f"{name}-e": "B-DNA" for name in names}
+    found = compare([table(tmp_path, *rows)], specs, forms, {})
+    (flight,) = (row for _, row in found.iterrows() if row["estimator"] == "flight against length")
+    assert flight["scope"] == "over 4 lengths"
+    # The scatter has no trend with length.
+    assert flight["speed_A_per_ps"] == pytest.approx(speed, rel=1e-4)
+    assert flight["ratio_to_paper"] == pytest.approx(speed / 8.0, rel=1e-4)
+    assert flight["verdict_paper"] == word
+    # A pick that is in doubt has no part in it; two lengths and less are no line.
+    doubtful = table(tmp_path, *rows).assign(model_class=["", "", "rejected: x", "rejected: x"])
+    fewer = compare([doubtful], specs, forms, {})
+    assert "flight against length" not in set(fewer["estimator"])
 
 
 @pytest.mark.parametrize(
@@ -284,23 +295,6 @@ def test_a_limit_that_the_data_do_not_set_is_far_away(
     compared = compare([table(tmp_path, row)], {"a": scene("a")}, B_DNA, {})
     assert compared.loc[0, "verdict_paper"] == word
     assert compared.loc[0, "ratio_to_paper_low"] >= 0
-
-
-@pytest.mark.parametrize(("wavenumber", "said"), [(0.04, "the same"), (0.08, "another")])
-def test_standing_waves_differ_by_wavelength_only_where_it_is_another(
-    tmp_path: Path, scene: MakeScene, wavenumber: float, said: str
-) -> None:
-    shared = {"misfit": 0.1, "frequency_GHz": 113.0}
-    rows = [
-        spread(estimate("m", "standing wave", wavenumber_rad_per_A=0.04, **shared), [16.5], 8.19),
-        spread(
-            estimate("h", "standing wave", wavenumber_rad_per_A=wavenumber, **shared), [14.0], 8.19
-        ),
-    ]
-    specs = {name: scene(name) for name in ("m", "h")}
-    found = agreement(compare([table(tmp_path, *rows)], specs, B_DNA, {}), "extension")
-    assert found is not None
-    assert f"({said} wavelength, " in found.routes[0].sentence
 
 
 def test_names_that_pandas_takes_for_missing_values_survive(tmp_path: Path) -> None:

@@ -98,3 +98,7 @@ def test_a_kink_shows_although_the_mean_is_that_of_b_dna(
     (kink,) = kinked_steps(dataset)
     assert "A:5-B:6/A:6-B:5" in kink and "5.4 Å" in kink and "-68°" in kink
     assert b_form_verdict(3.4, 37.0, [], [kink]).startswith("B-DNA on average, kinked at A:5")
+    # Nor is a step stacked that has no frame.
+    dataset["roll"][4], dataset["rise"][4] = 0.0, np.nan
+    (kink,) = kinked_steps(dataset)
+    assert "A:5-B:6/A:6-B:5" in kink

@@ -133,6 +133,7 @@ def test_costs_are_read_as_snakemake_writes_them(tmp_path):
         "simulate/stale.x1.tsv": "99\t0:01:39\t1\t1\t1\t1\t0\t0\t99\t99\n",
         "analyse/kick.tsv": "0.2\t0:00:00\t-\t-\t-\t-\t-\t-\t-\tNA\n",
         "compare.tsv": "2\t0:00:02\t50\t1\t1\t1\t0\t0\t99\t1.5\n",
+        "report.tsv": "9\t0:00:09\t50\t1\t1\t1\t0\t0\t99\t9\n",
     }.items():
         (tmp_path / path).parent.mkdir(exist_ok=True)
         (tmp_path / path).write_text(header + line)
@@ -140,7 +141,7 @@ def test_costs_are_read_as_snakemake_writes_them(tmp_path):
         (job.rule, job.target, job.run, job.wall_s, job.cpu_s, job.memory_MB)
         for job in read_jobs(tmp_path, ["kick"])
     ]
-    # What another configuration left behind is not this one's cost.
+    # What another configuration left behind is not this one's cost, nor is an earlier report.
     assert found == [
         ("analyse", "kick", "", 0.2, None, None),
         ("simulate", "kick", "x0.5", 12.5, 12.1, 301.2),
@@ -157,6 +158,13 @@ def test_costs_are_summed_by_rule_and_shown(config, results, tmp_path):
     jobs = read_jobs(tmp_path, list(results.scenes))
     text = Reader(render(replace(results, jobs=jobs))).text
     assert "2 jobs took 2.00 minutes" in text
+
+
+def test_a_study_s_job_is_none_of_the_scene_of_the_same_name(tmp_path):
+    for rule in ("simulate", "accuracy/truth"):
+        (tmp_path / rule).mkdir(parents=True)
+        (tmp_path / rule / "kick.tsv").write_text("s\tmax_rss\tcpu_time\n1\t300\t1\n")
+    assert [job.rule for job in read_jobs(tmp_path, ["kick"])] == ["simulate"]
 
 
 def test_missing_results_are_refused_by_name(config, tmp_path):

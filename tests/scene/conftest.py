@@ -10,6 +10,9 @@ from typing import Any
 import pytest
 import yaml
 
+from dnawaves.errors import InputError
+from dnawaves.scene.load import load_scenes
+
 SCENE = {"duplex": "mixed12", "environment": "condensed"}
 BOTH_HELD = {"first": "held", "last": "held"}
 CONFIGURATION: dict[str, Any] = {
@@ -104,6 +107,13 @@ CONFIGURATION: dict[str, Any] = {
 
 MISSING = object()
 Write = Callable[..., Path]
+
+
+def refusal(path: Path) -> str:
+    """Return the message with which a configuration file is refused."""
+    with pytest.raises(InputError) as caught:
+        load_scenes(path)
+    return str(caught.value)
 
 
 @pytest.fixture(scope="session")

@@ -12,6 +12,7 @@ from dnawaves.duplex.build import build_duplex, write_pdb
 from dnawaves.errors import InputError
 from dnawaves.files import read_json, write_json
 from dnawaves.scene.duplexes import load_duplexes
+from dnawaves.scene.environment import Equilibration
 from dnawaves.scene.freeze import freeze, freeze_scene, freeze_system
 from dnawaves.scene.load import load_scenes, read_scene, read_system
 from dnawaves.scene.models import Ends, Environment, NamedDuplex
@@ -87,6 +88,19 @@ def test_what_is_left_out_of_an_environment_follows_from_its_solvent() -> None:
     assert filled_in(counterion_fraction=0, cutoff_nm=1.2) == (0, 1.2, 0.8)
     assert filled_in(solvent="OBC2") == (0, None, None)
     assert Environment() == Environment(counterion_fraction=1, cutoff_nm=0.9, switch_nm=0.8)
+
+
+@pytest.mark.parametrize("given", [Equilibration, dict])
+def test_water_is_put_under_pressure_unless_the_environment_says_not(given: Any) -> None:
+    def pressure_bar(**equilibration: Any) -> float | None:
+        steady = given(**equilibration)
+        environment = Environment(solvent="OPC", temperature_K=300, equilibration=steady)
+        assert environment.to_snapshots.seed == 7
+        return environment.to_snapshots.pressure_bar
+
+    assert pressure_bar(seed=7) == 1
+    assert pressure_bar(seed=7, pressure_bar=5) == 5
+    assert pressure_bar(seed=7, pressure_bar=None) is None
 
 
 def test_models_are_frozen() -> None:

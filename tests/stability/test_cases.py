@@ -38,6 +38,9 @@ def test_an_error_in_a_step_would_show() -> None:
     # The same step with its twist counted the other way round is 72° off.
     given, mirrored = (orientation.step(10, -20, twist).remark for twist in (36, -36))
     assert given != mirrored
+    twists = [float(remark.rpartition(", ")[2]) for remark in (given, mirrored)]
+    # As exact as it is printed.
+    assert twists[0] - twists[1] == pytest.approx(72, abs=1e-3)
 
 
 def test_two_atoms_in_one_place_are_named() -> None:

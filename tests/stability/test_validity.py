@@ -5,13 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from dnawaves.stability import validity
 from dnawaves.units import BOLTZMANN_KJ_PER_MOL_K
-
-validity = pytest.importorskip(
-    "dnawaves.stability.validity",
-    reason="physical_validation is not installed",
-    exc_type=ImportError,
-)
 
 
 @pytest.mark.parametrize(("factor", "sound"), [(1.0, True), (1.05, False)])

@@ -19,6 +19,7 @@ from dnawaves.scene.structure_file import digest_of_file
 from dnawaves.system.duplex import SimulatedDuplex, read_built
 from dnawaves.system.hessian import ReferenceForces
 from dnawaves.system.steps import build_step, built_structure
+from dnawaves.system.stiffness import base_pair_frames
 
 AsBuilt = Callable[..., SimulatedDuplex]
 WARM = {"temperature_K": 300}
@@ -116,6 +117,7 @@ def test_heavier_hydrogens_and_added_mass_go_together(as_built: AsBuilt) -> None
     np.testing.assert_allclose(heavy.masses_Da[hydrogens], 3.0)
     added = heavy.with_added_mass({1: 500.0})
     gained = added.bodies.masses_Da - heavy.bodies.masses_Da
+    # Round-off of sums of 1e3 Da.
     np.testing.assert_allclose(gained, [0, 500, 0, 0], atol=1e-9)
 
 
@@ -136,6 +138,9 @@ def test_mass_can_be_added_in_water_and_the_box_be_another() -> None:
     assert alone.topology.getNumAtoms() == alone.solute == duplex.solute
     assert alone.labels == duplex.labels
     np.testing.assert_array_equal(alone.heights_nm, duplex.heights_nm)
+    # Water has no bases.
+    for frames in zip(base_pair_frames(duplex), base_pair_frames(alone), strict=True):
+        np.testing.assert_array_equal(*frames)
 
 
 @pytest.fixture(scope="module")

@@ -15,7 +15,9 @@ from dnawaves.files import read_netcdf, write_json
 from dnawaves.motion.structure import inspect_step
 from dnawaves.scene.models import Environment, NamedDuplex, SystemSpec
 from dnawaves.system.duplex import SimulatedDuplex, read_built
-from dnawaves.system.equilibrate import course_of, degrees_of_freedom, equilibrate
+from dnawaves.system.effects.constraints import degrees_of_freedom
+from dnawaves.system.equilibrate import course_of, equilibrate
+from dnawaves.system.equilibration_record import load_record
 from dnawaves.system.snapshots import read_equilibrated, read_mean
 from dnawaves.system.steps import build_step, equilibrate_step
 from dnawaves.units import BOLTZMANN_KJ_PER_MOL_K
@@ -204,6 +206,16 @@ def test_a_checkpoint_of_another_run_is_not_used(
     other = of_seed(2)
     assert "of another run, so not used" in capsys.readouterr().err
     assert np.abs(other["position_nm"] - one["position_nm"]).max() > 1e-3
+
+
+@pytest.mark.parametrize("content", [b"", b"no zip file", b"PK\x03\x04 cut short"])
+def test_a_checkpoint_that_is_no_file_of_arrays_is_not_used(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], content: bytes
+) -> None:
+    checkpoint = tmp_path / "checkpoint.npz"
+    checkpoint.write_bytes(content)
+    assert load_record(checkpoint, "this run") is None
+    assert f"{checkpoint}: cannot be read (" in capsys.readouterr().err
 
 
 def with_equilibration(spec: SystemSpec, **changes: Any) -> SystemSpec:

@@ -150,4 +150,5 @@ def test_a_kick_goes_through_it_and_keeps_its_energy(implicit: Implicit) -> None
     put_in = float(motion["difference_kinetic_energy"][0])
     # The bound for a record at T = 0.
     assert np.abs(energy - energy[0]).max() < 0.01 * put_in
+    # The last pair is held: no digit of it moves but by round-off.
     assert float(abs(motion["velocity"][0, :, -1]).max()) < 1e-12

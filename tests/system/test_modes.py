@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -126,6 +127,18 @@ def test_a_structure_that_is_no_minimum_is_refused() -> None:
         _ = chain.modes(1).frequencies_rad_per_ps
 
 
+def test_a_vibration_that_does_not_push_back_has_no_static_answer() -> None:
+    modes = Chain(linked(1), *beads(2)).modes(1)
+    # Within the tolerance of a minimum: its waves do not grow in the time of a record.
+    values = modes.eigenvalues_per_ps2.copy()
+    values[0] = -5e-5
+    soft = replace(modes, eigenvalues_per_ps2=values)
+    assert soft.frequencies_rad_per_ps[0] == 0
+    for answer in (soft.static_response, lambda forces: soft.compliance(soft.shapes)):
+        with pytest.raises(SimulationError, match="a vibration has the eigenvalue -5e-05 "):
+            answer(np.ones((PAIRS, 6)))
+
+
 def test_growth_along_a_negative_mode_starts_when_it_says() -> None:
     chain = Chain(linked(1) - 5.0 * np.eye(6 * PAIRS), *beads(2))
     weights = np.repeat(1 / np.sqrt(chain.masses_Da), 3)
@@ -185,13 +198,15 @@ def test_a_free_duplex_has_six_rigid_motions(relaxed: Any, free: NormalModes) ->
     # No step is strained; a vibration strains by 0.01 Å and more.
     strains = np.abs(strain_shapes(free, duplex)).max(axis=(1, 2))
     assert strains[~free.vibrations].max() < 1e-4
-    # All the energy of a rigid motion is in the pairs, none inside them.
+    # All the energy of a rigid motion is in the pairs, none inside them but that of what is mixed
+    # in, 1e-6 squared.
     shares = sum(share.sum(axis=1) for share in participation(free, duplex).values())
     np.testing.assert_allclose(shares[~free.vibrations], 1, atol=1e-9)
 
 
 def test_equipartition_holds_for_every_pair(relaxed: Any, free: NormalModes) -> None:
-    # ⟨q' q'ᵀ⟩ = kBT M⁻¹, whatever the potential: the modes are complete.
+    # ⟨q' q'ᵀ⟩ = kBT M⁻¹, whatever the potential: the modes are complete, to the round-off of
+    # products of shapes and momenta whose units differ a thousandfold.
     flat = free.shapes.reshape(len(free.shapes), -1)
     momenta = relaxed.duplex.bodies.momenta(free.shapes).reshape(len(free.shapes), -1)
     np.testing.assert_allclose(flat.T @ momenta, np.eye(flat.shape[1]), atol=1e-9)
@@ -201,13 +216,14 @@ def test_participation_is_a_share(relaxed: Any, free: NormalModes) -> None:
     duplex = relaxed.duplex
     shares = participation(free, duplex)
     total = sum(share.sum(axis=1) for share in shares.values())
+    # Between none and all, to round-off.
     assert total.min() > -1e-12
     assert total.max() < 1 + 1e-9
     # A hydrogen's bond vibrates at 400 rad/ps and more inside its pair; the softest vibrations
     # of the duplex are waves.
     assert total[free.frequencies_rad_per_ps > 400].max() < 0.02
     assert total[6:10].min() > 0.5
-    # Over all modes each wave's coordinate of each pair holds its degrees of freedom.
+    # Over all modes each wave's coordinate of each pair holds its degrees of freedom: round-off.
     for wave, degrees in {"extension": 1, "twist": 1, "bend": 2, "shear": 2}.items():
         np.testing.assert_allclose(shares[wave].sum(axis=0), degrees, atol=1e-9)
 
@@ -266,6 +282,7 @@ def test_lowest_mode_and_static_load_give_a_uniform_chain_the_same_stiffness() -
         stiffness = spring[component, component]
         exact = 2 * np.sqrt(stiffness / mass) * np.sin(np.pi / (2 * (count - 1)))
         strongest = np.argmax(np.abs(amplitudes))
+        # Both exact but for round-off.
         assert modes.frequencies_rad_per_ps[strongest] == pytest.approx(exact, rel=1e-9)
         response = modes.static_response(momenta)[:, component]
         assert np.sqrt(sine.sum() / response.sum()) == pytest.approx(exact, rel=1e-9)

@@ -148,6 +148,7 @@ def test_momenta_are_those_of_the_atoms(cloud: Cloud) -> None:
     arms = cloud.positions_nm - centres
     atoms = motion[cloud.pairs, :3] + np.cross(motion[cloud.pairs, 3:], arms)
     momenta = cloud.bodies.momenta(motion)
+    # Two ways to the same sums: round-off.
     for pair in range(PAIRS):
         chosen = cloud.pairs == pair
         momentum = cloud.masses_Da[chosen, None] * atoms[chosen]

@@ -31,6 +31,7 @@ def test_a_bend_turns_about_its_direction(as_built: AsBuilt, direction_deg: floa
     built = turned_duplex(as_built, bend_deg=15, direction_deg=direction_deg)
     _, rotation = built.bodies.pose(started(built).positions_nm)
     about = built.frame.directions[0 if direction_deg == 0 else 1]
+    # Exact steps again: round-off.
     np.testing.assert_allclose(
         np.rad2deg(rotation), np.outer([0, 0, 5, 10, 15, 15], about), atol=1e-6
     )

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import openmm
 import pytest
 
 from dnawaves.files import write_json
@@ -56,6 +58,29 @@ def make_kick() -> Callable[..., dict[str, Any]]:
 
     def make(wave: str, **fields: Any) -> dict[str, Any]:
         return {"kind": "kick", "wave": wave, "pairs": 2, **AMPLITUDES[wave], **fields}
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def near_minimum(as_built: Callable[..., SimulatedDuplex]) -> Callable[..., SimulatedDuplex]:
+    """Return a function of a sequence: the duplex as built after some minimisation.
+
+    Its other arguments are the tolerance in kJ/mol/nm and the most iterations.
+    """
+
+    def make(sequence: str, tolerance: float, iterations: int) -> SimulatedDuplex:
+        built = as_built(sequence)
+        context = openmm.Context(
+            built.system,
+            openmm.VerletIntegrator(0.001),
+            openmm.Platform.getPlatformByName("CPU"),
+            {"Threads": "1"},
+        )
+        context.setPositions(built.positions_nm)
+        openmm.LocalEnergyMinimizer.minimize(context, tolerance, iterations)
+        positions = context.getState(positions=True).getPositions(asNumpy=True)._value
+        return built.with_positions(np.array(positions))
 
     return make
 

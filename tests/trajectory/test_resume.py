@@ -7,7 +7,7 @@ import os
 import random
 import shutil
 import signal
-import time
+import sys
 from collections.abc import Callable
 from contextlib import redirect_stderr
 from dataclasses import replace
@@ -41,36 +41,54 @@ DRIVE = {
 EVERY = 3
 KILLS = 10
 FRAMES = 240
+# Operations on files after which a run is killed: those of some five checkpoints, a dozen each, so
+# that ten such runs do not reach the 80th.
+OPERATIONS = 60
 PLAN = Plan(0.002, 5, 8, frequency_GHz=500.0)
 # A server that has imported what a run needs, from which each run is forked.
 PROCESSES = multiprocessing.get_context("forkserver")
 PROCESSES.set_forkserver_preload(["dnawaves.trajectory.run"])
 
 
-def simulate(duplex: SimulatedDuplex, scene: SceneSpec, member: str, output: Path) -> None:
+def simulate(
+    duplex: SimulatedDuplex, scene: SceneSpec, member: str, output: Path, killed_at: int | None
+) -> None:
     """Run a scene from start or last checkpoint to its end; tells the log where it is."""
     with output.with_suffix(".log").open("a") as log, redirect_stderr(log):
         plan = Plan(0.001, 10, FRAMES, frequency_GHz=500.0, ramp_ps=0.5)
         files = {sign: output.with_name(f"{sign}.dcd") for sign in (1, -1)}
         folder = checkpoint_folder(output)
+        if killed_at is not None:
+            kill_before(killed_at, folder)
         recorder = run_member(duplex, scene, plan, member, files, 1, folder, EVERY)
         write_netcdf(output, recorder.dataset())
 
 
+def kill_before(operation: int, folder: Path) -> None:
+    """Let this process be killed before an operation on the files of a folder of checkpoints.
+
+    Counted from where its first checkpoint appears, and not timed: how fast the machine is, and
+    what else it does, decides nothing.
+    """
+    done = 0
+
+    def watch(event: str, arguments: tuple[Any, ...]) -> None:
+        nonlocal done
+        if not event.startswith(("open", "os.", "shutil.")):
+            return
+        if not (arguments and str(arguments[0]).startswith(str(folder))):
+            return
+        if done or (event == "os.rename" and Path(arguments[1]).name.isdigit()):
+            if done == operation:
+                os.kill(os.getpid(), signal.SIGKILL)
+            done += 1
+
+    sys.addaudithook(watch)
+
+
 @pytest.fixture(scope="module")
-def duplex(as_built: Callable[..., SimulatedDuplex]) -> SimulatedDuplex:
-    """Return four base pairs near a minimum."""
-    built = as_built("CGCG")
-    context = openmm.Context(
-        built.system,
-        openmm.VerletIntegrator(0.001),
-        openmm.Platform.getPlatformByName("CPU"),
-        {"Threads": "1"},
-    )
-    context.setPositions(built.positions_nm)
-    openmm.LocalEnergyMinimizer.minimize(context, 10.0, 200)
-    positions = context.getState(positions=True).getPositions(asNumpy=True)._value
-    return built.with_positions(np.array(positions))
+def duplex(near_minimum: Callable[..., SimulatedDuplex]) -> SimulatedDuplex:
+    return near_minimum("CGCG", 10.0, 200)
 
 
 @pytest.fixture(scope="module")
@@ -94,12 +112,14 @@ def checkpoints_in(folder: Path) -> int:
 def kill_and_compare(
     duplex: SimulatedDuplex, scene: SceneSpec, member: str, folder: Path, kills: int
 ) -> None:
-    """Kill a run at random moments; assert that it ends as one that nobody disturbed."""
+    """Kill a run anywhere on its way; assert that it ends as one that nobody disturbed."""
     whole, killed = (folder / name / "motion.nc" for name in ("whole", "killed"))
 
-    def start(output: Path) -> ForkServerProcess:
+    def start(output: Path, killed_at: int | None = None) -> ForkServerProcess:
         output.parent.mkdir(exist_ok=True)
-        process = PROCESSES.Process(target=simulate, args=(duplex, scene, member, output))
+        process = PROCESSES.Process(
+            target=simulate, args=(duplex, scene, member, output, killed_at)
+        )
         process.start()
         return process
 
@@ -107,20 +127,14 @@ def kill_and_compare(
     checkpoints, moments = checkpoint_folder(killed), random.Random(1)
     for _ in range(kills):
         reached = checkpoints_in(checkpoints)
-        process = start(killed)
-        # Until it has got a little further, and then at any moment of a few checkpoints' time.
-        while checkpoints_in(checkpoints) < reached + EVERY:
-            assert process.is_alive()
-            time.sleep(0.001)
-        time.sleep(moments.uniform(0, 0.1))
-        assert process.pid is not None
-        os.kill(process.pid, signal.SIGKILL)
+        process = start(killed, moments.randint(1, OPERATIONS))
         process.join()
         # Killed, so not yet at its end.
         assert process.exitcode == -signal.SIGKILL
         assert not killed.exists()
+        assert checkpoints_in(checkpoints) >= reached + EVERY
     for process in (start(killed), undisturbed):
-        process.join(timeout=60)
+        process.join()
         assert process.exitcode == 0
     assert killed.with_suffix(".log").read_text().count("goes on at") == kills
     assert "goes on at" not in whole.with_suffix(".log").read_text()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -109,6 +108,15 @@ from dnawaves.cli import main
 checkpoint.ATOM_STEPS = 1e5
 main()
 """
+# The same, killed by itself once its first checkpoint is there: no clock decides how far it gets.
+KILLED = f"""
+import os, signal
+from dnawaves.trajectory.checkpoint import Checkpoints
+def save(*given, save=Checkpoints.save):
+    save(*given)
+    os.kill(os.getpid(), signal.SIGKILL)
+Checkpoints.save = save
+{COMMAND}"""
 
 
 def test_a_command_that_is_killed_goes_on_and_leaves_no_checkpoints(
@@ -118,23 +126,20 @@ def test_a_command_that_is_killed_goes_on_and_leaves_no_checkpoints(
     scene = make_scene(relaxed.duplex, excitation, HELD, duration_ps=4, interval_fs=20)
     write_json(tmp_path / "scene.json", scene.model_dump(mode="json"))
 
-    def start(output: Path) -> subprocess.Popen[str]:
+    def run(output: Path, program: str = COMMAND) -> subprocess.CompletedProcess[str]:
         files = (relaxed.built_file, relaxed.relaxed_file)
         arguments = ["simulate", tmp_path / "scene.json", *files, "--member", "x1"]
-        command = [sys.executable, "-c", COMMAND, *arguments, "--output", output]
+        command = [sys.executable, "-c", program, *arguments, "--output", output]
         command += ["--trajectory", output.with_name("trajectory")]
-        return subprocess.Popen([str(one) for one in command], stderr=subprocess.PIPE, text=True)
+        return subprocess.run(
+            [str(one) for one in command], stderr=subprocess.PIPE, text=True, check=False
+        )
 
     killed, whole = (tmp_path / name / "motion.nc" for name in ("killed", "whole"))
-    process, folder = start(killed), checkpoint_folder(killed)
-    while not any(path.name.isdigit() for path in folder.glob("*")):
-        assert process.poll() is None
-        time.sleep(0.005)
-    process.kill()
-    process.communicate()
-    assert process.returncode == -signal.SIGKILL
+    assert run(killed, KILLED).returncode == -signal.SIGKILL
+    assert any(path.name.isdigit() for path in checkpoint_folder(killed).glob("*"))
     assert not killed.exists()
-    said = [start(output).communicate(timeout=120)[1] for output in (killed, whole)]
+    said = [run(output).stderr for output in (killed, whole)]
     assert "test x1: goes on at " in said[0] and "goes on" not in said[1]
     for output in (killed, whole):
         assert {path.name for path in output.parent.iterdir()} == {"motion.nc", "trajectory"}

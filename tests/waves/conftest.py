@@ -41,10 +41,10 @@ def motion(spec: SceneSpec, fields: Fields, **attrs: Any) -> xr.Dataset:
     nothing = np.zeros((frames, PAIRS))
     part = {
         wave: fields.get(wave, nothing)
-        for wave in ("shear", "across", "extension", "bend", "twist")
+        for wave in ("shear", "across", "extension", "bend_across", "bend", "twist")
     }
     linear = 10 * np.stack([part["shear"], part["across"], part["extension"]], axis=-1)
-    angular = np.stack([nothing, part["bend"], part["twist"]], axis=-1)
+    angular = np.stack([part["bend_across"], part["bend"], part["twist"]], axis=-1)
     kinetic = 0.5 * MASS_DA * np.sum(linear**2, axis=(1, 2)) / 100 + 0.5 * np.sum(
         np.array(INERTIA_DA_NM2) * angular**2, axis=(1, 2)
     )

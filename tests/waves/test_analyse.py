@@ -11,13 +11,14 @@ from dnawaves.rod.chain import PlaneChain, ScalarChain
 from dnawaves.rod.modal import ModalChain, free_pairs
 from dnawaves.rod.rod import Rod
 from dnawaves.rod.standing import bend_standing_wave
-from dnawaves.scene.excitations import Kick, Nothing, Periodic, Pulse, StandingWave
+from dnawaves.scene.excitations import Kick, Nothing, Periodic, Pulse, StandingWave, Static
 from dnawaves.scene.models import SceneSpec
 from dnawaves.units import KJ_PER_MOL_PER_PN_NM
 from dnawaves.waves.analyse import analyse
+from dnawaves.waves.cross_checks import cross_check_rows
 from dnawaves.waves.paper_answer import paper_rod
 from dnawaves.waves.record import Record
-from dnawaves.waves.table import Estimate
+from dnawaves.waves.table import Estimate, spread
 
 PAIRS, SPACING_NM = 24, 0.34
 MASS_DA, BEND_INERTIA, TWIST_INERTIA = 600.0, 180.0, 300.0
@@ -74,9 +75,85 @@ def test_a_kick_gives_the_speed_of_its_lattice(
     assert headline.amplitude == pytest.approx(1.0, rel=EXACT)
     assert headline.friction_per_ps == pytest.approx(0.1, abs=1e-3)
     assert headline.half_kick_change == pytest.approx(0.0, abs=1e-6)
+    assert (rows["arrival"].model_class, rows["correlation"].model_class) == ("", "")
     # A front is picked with a bias of some percent, alike in the paper's rod.
     paper = {"extension": 8.19, "twist": 5.06}[wave]
     assert rows["arrival"].ratio_to_paper == pytest.approx(speed / paper, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("shown_at", "said"),
+    # Base pair 21 shows what runs through 19; 19 what has run half as far.
+    [({21: 19}, "at a farther base pair no later"), ({19: 10}, "differ by a factor of 2.1")],
+)
+def test_picks_that_follow_no_front_are_rejected(
+    make_scene: MakeScene, make_record: MakeRecord, shown_at: dict[int, int], said: str
+) -> None:
+    times = np.arange(0, 1.5 * 10 * SPACING_NM * PAIRS / 14.0, 0.1)
+    velocity = chain(14.0).kick_response(times, excited(), 0.1)[1]
+    mixed = velocity.copy()
+    for pair, other in shown_at.items():
+        mixed[:, pair] = velocity[:, other]
+    spec = make_scene(kick("extension"))
+    record = make_record(spec, "x1", {"extension": mixed})
+    row = by_estimator(cross_check_rows([record], spec.excitation), "extension")["arrival"]
+    assert row.model_class.startswith("rejected: ")
+    assert said in row.model_class
+
+
+def loaded(
+    make_scene: MakeScene, make_record: MakeRecord, loads: list[float], left: str = ""
+) -> list[Record]:
+    """Return a duplex under torques that make it 10 % stiffer for 10 pN nm each; 8 Å/ps unloaded.
+
+    The last load is `left` to drive it out of its basin.
+    """
+    spec = make_scene(Static(kind="static", wave="twist", torque_pN_nm=20), "held", "guided")
+    length = SPACING_NM * (PAIRS - 1)
+    rigidity = TWIST_INERTIA / SPACING_NM * 0.8**2 / KJ_PER_MOL_PER_PN_NM
+    records = []
+    for load in loads:
+        turn = load * length / rigidity / (1 + 0.01 * load)
+        motion = make_record(
+            spec, f"x{load:g}", {"twist": np.zeros((1, PAIRS))}, load=load, left_basin=""
+        ).motion
+        motion["rotation"].values[:, 0, -1, 2] = turn, -turn
+        motion["linear_response"] = ("lock", [length / rigidity])
+        records.append(Record(spec, f"x{load:g}", motion.assign_coords(lock=["nothing"])))
+    records[-1].motion.attrs["left_basin"] = left
+    return records
+
+
+@pytest.mark.parametrize("loads", [[20.0, 6.0, 2.0], [20.0]])
+def test_static_loads_are_given_with_their_limit(
+    make_scene: MakeScene, make_record: MakeRecord, loads: list[float]
+) -> None:
+    row, limit = analyse(loaded(make_scene, make_record, loads))
+    assert (row.estimator, limit.estimator) == ("static", "static, no load")
+    # Round-off.
+    assert limit.speed_A_per_ps == pytest.approx(8.0, rel=1e-9)
+    assert row.speed_A_per_ps == pytest.approx(8.0 * np.sqrt(1.2), rel=1e-9)
+    # Also of one load: how far it is from linear.
+    assert row.low_A_per_ps == pytest.approx(8.0, rel=1e-9)
+    assert row.high_A_per_ps == row.speed_A_per_ps
+    for one in (row, limit):
+        assert one.reason.endswith("a wave, coupled to the faster extension, is slower")
+
+
+def test_a_load_that_leaves_the_basin_is_no_part_of_the_interval(
+    make_scene: MakeScene, make_record: MakeRecord
+) -> None:
+    rows = analyse(loaded(make_scene, make_record, [6.0, 20.0], left="+1"))
+    assert [row.estimator for row in rows] == ["static", "static x20", "static, no load"]
+    assert rows[0].high_A_per_ps == pytest.approx(8.0 * np.sqrt(1.06), rel=1e-9)
+    assert rows[1].speed_A_per_ps is None
+    assert "+1 times 20 drove the duplex into another minimum" in rows[1].reason
+
+
+def test_one_number_alone_has_no_interval() -> None:
+    alone = spread(Estimate("s", "twist", "static"), [8.0], 5.0)
+    assert (alone.speed_A_per_ps, alone.ratio_to_paper) == (8.0, 1.6)
+    assert (alone.low_A_per_ps, alone.high_A_per_ps, alone.interval) == (None, None, "")
 
 
 def test_a_kick_of_an_uneven_chain_is_rejected(

@@ -12,10 +12,16 @@ from dnawaves.waves.cross_checks import LEAST_PEAK_OF_CHAIN
 from dnawaves.waves.estimators.correlation import arrival_ps, first_peak_ps, lag_ps, threshold_ps
 from dnawaves.waves.estimators.equilibrium import equilibrium_response
 from dnawaves.waves.estimators.flight import fit_flight
-from dnawaves.waves.estimators.intervals import blocks, bootstrap_interval, correlation_inflation
+from dnawaves.waves.estimators.intervals import (
+    blocks,
+    bootstrap_interval,
+    correlation_inflation,
+    residual_interval,
+)
 from dnawaves.waves.estimators.modal_fit import fit_modes
 from dnawaves.waves.estimators.resonance import fit_resonance, steady_answer
 from dnawaves.waves.estimators.ridges import ridges
+from dnawaves.waves.estimators.separable import Separable
 from dnawaves.waves.estimators.synthetic import thermal_velocity
 from dnawaves.waves.estimators.whittle import expected_periodogram, periodogram, whittle_fit
 
@@ -183,6 +189,24 @@ def test_equilibrium_motion_tells_the_answer_to_an_impulse() -> None:
     # 240 numbers, each within four of its standard errors.
     assert np.abs((mean - exact) / error).max() < 4.5
     assert error.max() < 0.1
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_interval_of_a_friction_does_not_depend_on_its_root_s_sign(sign: float) -> None:
+    """exp(-x² t) with noise: a search may end at either root."""
+    times = np.arange(0, 20, 0.1)
+    noise = 0.02 * np.random.default_rng(3).standard_normal(len(times))
+    data = np.exp(-0.01 * times) + noise
+    fit = Separable(data, lambda x: np.exp(-(float(x[0]) ** 2) * times)[np.newaxis])
+    best = fit.minimise(np.array([0.1 * sign]))
+    residual = (data - fit.fitted(best.parameters))[np.newaxis]
+    found = residual_interval(fit, best, 0, [residual], 2, root=True)
+    # 0.02 of noise in 200 samples knows the rate to some 0.0004.
+    assert 0.007 < found.low**2 < float(best.parameters[0]) ** 2 < found.high**2 < 0.013
+    # Its rate alone is linear: the half width is two standard errors, by this fit's own slope.
+    slope = fit.sensitivity(best.parameters, 0) / (2 * best.parameters[0])
+    error = np.sqrt(best.sum_of_squares / 198 / np.sum(slope**2))
+    assert (found.high**2 - found.low**2) / 2 == pytest.approx(1.97 * error, rel=0.3)
 
 
 def test_residuals_with_memory_count_for_fewer() -> None:

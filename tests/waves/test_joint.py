@@ -17,10 +17,12 @@ from dnawaves.rod.rod import Rod
 from dnawaves.scene.excitations import Kick, StandingWave
 from dnawaves.scene.models import SceneSpec
 from dnawaves.units import KJ_PER_MOL_PER_PN_NM
+from dnawaves.waves.estimators.lattice_fit import LatticeFit, Value
 from dnawaves.waves.estimators.lattices import AxialLattice
+from dnawaves.waves.estimators.model_class import ModelClass
 from dnawaves.waves.estimators.sources import kick
 from dnawaves.waves.flights import flight_row
-from dnawaves.waves.joint import joint_step
+from dnawaves.waves.joint import joint_step, profiled
 
 PAIRS, SPACING_NM = 24, 0.34
 MASS_DA, BEND_INERTIA, TWIST_INERTIA = 600.0, 180.0, 300.0
@@ -119,6 +121,47 @@ def test_joint_fit_gives_the_constants_of_the_rod(table: pd.DataFrame) -> None:
     assert set(table.loc["stretch_modulus_pN", "source"].split(", ")) == {"along", "turned"}
     # Coupled, the faster of two waves is faster than it is alone.
     assert table.loc["speed_extension_A_per_ps", "value"] > EXTENSION
+
+
+def limits(coupling: Value) -> dict[str, tuple[float, float]]:
+    """Return the ends of three constants, of speeds known to 1 %, a = b = 1 and this coupling."""
+    one = Value(1.0, 0.99, 1.01)
+    fit = LatticeFit(
+        {"extension_A_per_ps": one, "twist_A_per_ps": one, "coupling_extension_twist": coupling},
+        (1.0,),
+        ModelClass(0.0, None, 1.0, 1.0, False),
+    )
+
+    def constants(at: LatticeFit) -> dict[str, float]:
+        a, b = (at[f"{wave}_A_per_ps"].value ** 2 for wave in ("extension", "twist"))
+        c = at["coupling_extension_twist"].value
+        return {
+            "stretch_modulus_pN": a,
+            "stretch_modulus_relaxed_pN": a * (1 - c**2),
+            "twist_stretch_coupling_pN_nm": c * np.sqrt(a * b) if np.isfinite(c) else np.nan,
+        }
+
+    return profiled(fit, list(fit.values), constants)
+
+
+def test_a_relaxed_modulus_is_known_no_better_than_the_coupling() -> None:
+    found = limits(Value(0.3, 0.1, 0.4))
+    assert found["stretch_modulus_pN"] == pytest.approx((0.9801, 1.0201), rel=1e-9)
+    # 0.91 (1 ± 0.02) by the speed; to 0.84 and 0.99 by the coupling; in quadrature.
+    low, high = found["stretch_modulus_relaxed_pN"]
+    assert low == pytest.approx(0.91 - np.hypot(0.07, 0.91 * 0.0199), rel=1e-9)
+    assert high == pytest.approx(0.91 + np.hypot(0.08, 0.91 * 0.0201), rel=1e-9)
+    # 0.3 (1 ± 0.01) by either speed, to 0.1 and 0.4 by the coupling.
+    low, high = found["twist_stretch_coupling_pN_nm"]
+    assert low == pytest.approx(0.3 - np.sqrt(0.2**2 + 2 * 0.003**2), rel=1e-9)
+    assert high == pytest.approx(0.3 + np.sqrt(0.1**2 + 2 * 0.003**2), rel=1e-9)
+
+
+def test_a_value_without_a_limit_leaves_its_constants_without_one() -> None:
+    found = limits(Value(0.3, -np.inf, 0.4))
+    assert found["stretch_modulus_pN"] == pytest.approx((0.9801, 1.0201), rel=1e-9)
+    assert found["stretch_modulus_relaxed_pN"] == (0.0, np.inf)
+    assert found["twist_stretch_coupling_pN_nm"] == (-np.inf, np.inf)
 
 
 def test_joint_fit_is_of_one_system(

@@ -87,6 +87,15 @@ def test_replicas_end_where_half_are_left() -> None:
         Replicas.of([])
 
 
+def test_no_draw_leaves_a_frame_without_replicas() -> None:
+    # Without the two long ones, in 8 % of all draws, the mean would end early.
+    usable = np.array([60, 60, 20, 20, 20])
+    counts = np.arange(60) < usable[:, np.newaxis]
+    replicas, rng = Replicas(WAVE * counts[..., np.newaxis], usable), np.random.default_rng(4)
+    for _ in range(200):
+        np.testing.assert_allclose(replicas.mean(replicas.drawn(rng)), WAVE, atol=1e-12)
+
+
 def test_one_replica_has_no_interval() -> None:
     found = fitted(WAVE[np.newaxis], np.random.default_rng(3), lowest_waves(PAIRS, HELD, 4))
     # Of an exact wave the fit is exact to the optimiser's tolerance.

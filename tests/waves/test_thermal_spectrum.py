@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from dnawaves.errors import InputError
-from dnawaves.rod.chain import ScalarChain
+from dnawaves.rod.chain import PlaneChain, ScalarChain
+from dnawaves.scene.excitations import Nothing
+from dnawaves.scene.models import SceneSpec
 from dnawaves.waves.estimators.mode_spectra import SharedSpeed, shared_speed
 from dnawaves.waves.estimators.synthetic import thermal_velocity
-from dnawaves.waves.thermal_spectrum import lowest_modes
+from dnawaves.waves.paper_answer import paper_rod
+from dnawaves.waves.record import Record
+from dnawaves.waves.thermal_spectrum import lowest_modes, spectrum_rows
 
 Array = NDArray[np.float64]
 
@@ -72,6 +78,41 @@ def test_speed_and_interval_from_thermal_motion() -> None:
     assert sum(fit.wrong for fit in fits) <= 2
 
 
+@pytest.mark.parametrize("ends", ["held", "free"])
+def test_the_paper_s_own_bends_have_a_ratio_of_one(
+    make_scene: Callable[..., SceneSpec], make_record: Callable[..., Record], ends: str
+) -> None:
+    """Between ends that are clamped or free, where bends are no sines and a free duplex tumbles."""
+    rng, frames, friction = np.random.default_rng(5), 1000, 0.1
+    rod = paper_rod(SPACING_nm)
+    chain = PlaneChain(rod, 24, [0, 23] if ends == "held" else [])
+    spec, records = make_scene(Nothing(kind="none"), ends, ends), []
+    for _ in range(2):
+        one, other = (
+            1e-3 * thermal_velocity(chain, frames, INTERVAL_ps, friction, 1.0, rng)
+            for _ in range(2)
+        )
+        # About the first direction a positive turn moves what is above against the second.
+        fields = {"shear": one[..., 0], "bend": one[..., 1]}
+        fields |= {"across": other[..., 0], "bend_across": -other[..., 1]}
+        for name, field in fields.items():
+            # A flat background, as that of the pairs' own vibrations.
+            noise = 0.5 * field.std() * rng.standard_normal(field.shape)
+            fields[name] = field + noise * field.any(axis=0)
+        motion = make_record(spec, "r1", fields).motion
+        changed = motion.assign(
+            mass=0 * motion["mass"] + rod.density_Da_per_nm * SPACING_nm,
+            inertia=0 * motion["inertia"] + 100 * rod.inertia_Da_nm * SPACING_nm,
+        ).assign_coords(time=INTERVAL_ps * np.arange(frames))
+        records.append(Record(spec, "r1", changed))
+    rows = [row for row in spectrum_rows(records) if row.wave in ("bend", "shear")]
+    assert len(rows) == 8
+    for row in rows:
+        # Four of sd(w) = sqrt(g/2T) over 4 x 200 ps.
+        error = 4 * np.sqrt(friction / 1600) / (2e-3 * np.pi * row.paper_frequency_GHz)
+        assert row.ratio_to_paper == pytest.approx(1.0, abs=error), (row.wave, row.estimator)
+
+
 def test_modes_off_the_dispersion_relation_look_wrong() -> None:
     rng = np.random.default_rng(2)
     both = motion(CHAIN, 2, 4, 500, rng)
@@ -92,6 +133,12 @@ def test_two_lines_in_one_mode_look_wrong() -> None:
     two = motion(CHAIN, 1, 4, 1000, rng) + motion(CHAIN.scaled(6.0), 1, 4, 1000, rng)
     assert not fitted(two).modes[0].fits
     assert fitted(two).wrong
+
+
+def test_a_mode_that_does_not_move_has_no_spectrum() -> None:
+    moving = np.random.default_rng(6).standard_normal((1, 400, 2))
+    with pytest.raises(InputError, match="does not move"):
+        fitted(moving * [1.0, 0.0])
 
 
 def test_a_record_too_short_is_refused() -> None:

@@ -97,6 +97,8 @@ rule accuracy_page:
         runtime=10,
     params:
         config=CONFIG,
+        # The page marks their settings.
+        scenes=[scene.model_dump_json() for scene in SCENES.values()],
         costs=lambda w, input: [f"--costs {path}" for path in input.costs],
     message:
         "Writing {output}"

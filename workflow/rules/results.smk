@@ -5,13 +5,13 @@ PRICED = [name for name in SYSTEMS if not SYSTEMS[name].thermal][:1] + [
     name for name in SYSTEMS if SYSTEMS[name].thermal
 ]
 # Where waves were simulated; those of harmonic scenes alone say nothing that the Hessian does not.
-SIMULATED = {
-    scene.system.name: True
+SIMULATED = dict.fromkeys(
+    scene.system.name
     for scene in SCENES.values()
     if scene.method == "simulated"
     and scene.excitation.kind not in ("none", "static")
     and not scene.system.thermal
-}
+)
 
 
 rule costs:
@@ -151,7 +151,7 @@ rule report:
         runtime=10,
     params:
         config=CONFIG,
-        # No input: a study takes hours, and must not run because its page is shown here.
+        # No input: a study takes half an hour, and must not run because its page is shown here.
         studies=lambda w: [
             (path, Path(path).stat().st_mtime_ns)
             for path in (

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import copy
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import openmm
 from numpy.typing import NDArray
-from openmm import mtsintegrator, unit
+from openmm.mtsintegrator import MTSIntegrator
 
 from dnawaves.accuracy.models import LANGEVIN, SEVERAL_FORCES, Numerics
 from dnawaves.errors import SimulationError
@@ -20,8 +21,9 @@ from dnawaves.trajectory.verlet import leapfrog
 
 Array = NDArray[np.float64]
 # Velocities that are half a step behind the positions.
-LATE = ("leapfrog", "Langevin middle")
+LATE = ("leapfrog", LANGEVIN)
 FAST, SLOW = 0, 1
+# Of water at 25 °C, as OpenMM's implicit solvents of Amber take it.
 WATER_DIELECTRIC = 78.5
 SEED = 1
 
@@ -86,17 +88,28 @@ def integrator_of(numerics: Numerics) -> openmm.Integrator:
     if numerics.integrator == "velocity Verlet":
         return velocity_verlet_with_friction(timestep_ps, 0.0)
     if numerics.integrator == SEVERAL_FORCES:
-        groups = [(SLOW, 1), (FAST, numerics.inner_steps)]
-        return mtsintegrator.MTSIntegrator(timestep_ps * unit.picosecond, groups)
+        return multiple_timestep(timestep_ps, numerics.inner_steps)
     assert numerics.integrator == LANGEVIN
     return langevin_middle(0.0, numerics.friction_per_ps, timestep_ps, SEED)
 
 
+def multiple_timestep(timestep_ps: float, inner_steps: int) -> MTSIntegrator:
+    """Return the integrator that takes so many steps of all but the nonbonded forces in each."""
+    return MTSIntegrator(timestep_ps, [(SLOW, 1), (FAST, inner_steps)])
+
+
+def split_forces(system: openmm.System) -> None:
+    """Put the forces into the groups that `multiple_timestep` tells apart."""
+    for force in system.getForces():
+        force.setForceGroup(FAST)
+    nonbonded_force(system).setForceGroup(SLOW)
+
+
 def system_under(duplex: SimulatedDuplex, held: list[int], numerics: Numerics) -> openmm.System:
     """Return a copy of the duplex's System as a setting asks for it, held pairs without mass."""
-    system = copy.deepcopy(duplex.system)
     if numerics.hydrogen_mass_Da is not None:
-        _repartition(system, duplex, numerics.hydrogen_mass_Da)
+        duplex = _with_hydrogens_of(duplex, numerics.hydrogen_mass_Da)
+    system = copy.deepcopy(duplex.system)
     frozen = np.isin(duplex.pairs, held)
     for atom in np.flatnonzero(frozen):
         system.setParticleMass(int(atom), 0.0)
@@ -112,9 +125,7 @@ def system_under(duplex: SimulatedDuplex, held: list[int], numerics: Numerics) -
     if numerics.cutoff == "jump":
         nonbonded.setReactionFieldDielectric(WATER_DIELECTRIC)
     if numerics.integrator == SEVERAL_FORCES:
-        for force in system.getForces():
-            force.setForceGroup(FAST)
-        nonbonded.setForceGroup(SLOW)
+        split_forces(system)
     return system
 
 
@@ -124,11 +135,9 @@ def hydrogen_bonds(duplex: SimulatedDuplex) -> list[tuple[int, int]]:
     return [(a.index, b.index) for a, b in both if a.element.symbol == "H"]
 
 
-def _repartition(system: openmm.System, duplex: SimulatedDuplex, mass_Da: float) -> None:
-    for hydrogen, heavy in hydrogen_bonds(duplex):
-        gained = mass_Da - system.getParticleMass(hydrogen)._value
-        system.setParticleMass(hydrogen, mass_Da)
-        system.setParticleMass(heavy, system.getParticleMass(heavy)._value - gained)
+def _with_hydrogens_of(duplex: SimulatedDuplex, mass_Da: float) -> SimulatedDuplex:
+    heavier = duplex.spec.environment.model_copy(update={"hydrogen_mass_Da": mass_Da})
+    return replace(duplex, spec=duplex.spec.model_copy(update={"environment": heavier}))
 
 
 def _properties(numerics: Numerics, threads: int) -> dict[str, str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dnawaves.accuracy.models import Case, Numerics
 from dnawaves.accuracy.observe import Observed, Observer
@@ -11,7 +10,6 @@ from dnawaves.accuracy.start import Start
 from dnawaves.accuracy.truth import atom_modes
 from dnawaves.units import BOLTZMANN_KJ_PER_MOL_K
 
-Array = NDArray[np.float64]
 SEED = 1
 
 

@@ -18,7 +18,9 @@ from dnawaves.accuracy.start import Start
 from dnawaves.errors import SimulationError
 from dnawaves.motion.structure import TERMINAL_STEPS
 
+# Turns that a run and the default's take: seven ratios have quartiles.
 LAPS = 8
+# Averages of thermal runs, of whose errors the median is taken.
 DRAWS = 5
 THREADS = 1
 OK = "ok"

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pydantic import ValidationError
+from pydantic_core import ErrorDetails
 
 from dnawaves.accuracy.models import Case, Line, Numerics, Study, StudySystem, multiple_of
 from dnawaves.errors import InputError
@@ -149,14 +150,13 @@ def _message(error: ValueError) -> str:
     return str(error)
 
 
-def _in_words(error: object) -> str:
-    found = dict(error)  # type: ignore[call-overload]
-    where = ".".join(str(part) for part in found["loc"])
-    message = found["msg"].removeprefix("Value error, ")
-    if found["type"] == "extra_forbidden":
+def _in_words(error: ErrorDetails) -> str:
+    where = ".".join(str(part) for part in error["loc"])
+    message = error["msg"].removeprefix("Value error, ")
+    if error["type"] == "extra_forbidden":
         message = "found an unknown key"
-    elif found["type"] == "missing":
+    elif error["type"] == "missing":
         message = "found nothing; allowed: it must be given"
-    elif found["type"] != "value_error":
-        message = f"found {found['input']!r}; allowed: {message[0].lower()}{message[1:]}"
+    elif error["type"] != "value_error":
+        message = f"found {error['input']!r}; allowed: {message[0].lower()}{message[1:]}"
     return f"{where}: {message}" if where else message

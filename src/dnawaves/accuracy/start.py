@@ -12,14 +12,11 @@ from numpy.typing import NDArray
 
 from dnawaves.accuracy.models import StudySystem
 from dnawaves.accuracy.settings import system_spec
-from dnawaves.duplex.build import build_duplex
 from dnawaves.errors import SimulationError
 from dnawaves.files import whole_file
 from dnawaves.system.duplex import SimulatedDuplex
-from dnawaves.system.forces import load_force_field
 from dnawaves.system.relax import relax
-
-Array = NDArray[np.float64]
+from dnawaves.system.steps import built_structure
 
 
 @dataclass(frozen=True)
@@ -32,8 +29,8 @@ class Start:
 
 def built_duplex(name: str, system: StudySystem) -> SimulatedDuplex:
     """Return the duplex of a system as it is built."""
-    field = load_force_field(system.environment)
-    return SimulatedDuplex(system_spec(name, system), *build_duplex(system.sequence, field))
+    spec = system_spec(name, system)
+    return SimulatedDuplex(spec, *built_structure(spec))
 
 
 def prepare_step(name: str, system: StudySystem, output: Path, threads: int) -> None:

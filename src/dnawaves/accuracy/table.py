@@ -29,7 +29,6 @@ COLUMNS = (
     *("threads", "processor", "cores", "openmm"),
     *(f"{prefix}_{name}" for name in MEASURES for prefix in ("front", "excess")),
 )
-MODEL_DIFFERENCES = ("rate_change", "rise_change_A", "roll_change_deg", "twist_change_deg")
 
 
 def tables(rows: Sequence[Row]) -> tuple[pd.DataFrame, pd.DataFrame]:
@@ -64,14 +63,14 @@ def with_fronts(settings: pd.DataFrame) -> pd.DataFrame:
 
 def at_usual_times(settings: pd.DataFrame) -> pd.Series:
     """Return which settings record as often as the default, all where there is none."""
-    usual = settings.loc[settings["is_default"] == True, "interval_fs"]  # noqa: E712
+    usual = settings.loc[settings["is_default"].eq(True), "interval_fs"]
     return settings["interval_fs"].isin(usual) | (len(usual) == 0)
 
 
 def with_differences(models: pd.DataFrame) -> pd.DataFrame:
     """Return the models with what differs from the default one's minimum and speed."""
     models = models.copy()
-    default = models[models["is_default"] == True]  # noqa: E712
+    default = models[models["is_default"].eq(True)]
     models["rate_change"] = float("nan")
     if len(default):
         first = default.iloc[0]

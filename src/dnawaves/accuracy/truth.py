@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -70,7 +71,7 @@ def atom_modes(start: Start, case: Case) -> AtomModes:
 def linear_answer(start: Start, case: Case, interval_ps: float) -> Observed:
     """Return the exact answer of the linearised duplex to the case's kick."""
     duplex, modes = start.duplex, atom_modes(start, case)
-    frames = round(case.duration_ps / interval_ps + 0.5 - 1e-9)
+    frames = math.ceil(case.duration_ps / interval_ps - 1e-9)
     times_ps = np.asarray(interval_ps * np.arange(frames + 1), dtype=np.float64)
     moved, moving = modes.after_kick(READ_AT * kick_velocities(duplex, case), times_ps)
     observer = Observer(duplex, case.excitation.wave)

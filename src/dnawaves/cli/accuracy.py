@@ -7,16 +7,16 @@ from typing import Annotated
 
 import typer
 
+from dnawaves.cli.arguments import Threads, file, file_option, output_option
+
 app = typer.Typer(
     help="What accuracy costs in time: the steps of `snakemake accuracy`.", no_args_is_help=True
 )
 
-StudyFile = Annotated[Path, typer.Argument(help="study file", exists=True, dir_okay=False)]
-Minimum = Annotated[
-    Path,
-    typer.Option(help="what `dnawaves accuracy relax` wrote", exists=True, dir_okay=False),
-]
-Output = Annotated[Path, typer.Option("--output", help="file to write", dir_okay=False)]
+StudyFile = Annotated[Path, file("study file")]
+SystemName = Annotated[str, typer.Option(help="name of a system of the study")]
+Minimum = Annotated[Path, file_option("what `dnawaves accuracy relax` wrote")]
+Output = Annotated[Path, output_option("file to write")]
 
 
 @app.command("list")
@@ -31,9 +31,9 @@ def list_settings(study: StudyFile) -> None:
 @app.command()
 def relax(
     study: StudyFile,
-    system: Annotated[str, typer.Option(help="name of a system of the study")],
+    system: SystemName,
     output: Output,
-    threads: Annotated[int, typer.Option(min=1)] = 1,
+    threads: Threads = 1,
 ) -> None:
     """Relax one system of a study to the minimum that its settings start from."""
     from dnawaves.accuracy.steps import relax_system_step
@@ -59,16 +59,8 @@ def setting(
     study: StudyFile,
     name: Annotated[str, typer.Option(help="name of a setting, as `accuracy list` shows it")],
     minimum: Minimum,
-    usual: Annotated[
-        Path,
-        typer.Option(
-            help="minimum of the case whose time is the measure", exists=True, dir_okay=False
-        ),
-    ],
-    known: Annotated[
-        Path,
-        typer.Option(help="what `dnawaves accuracy truth` wrote", exists=True, dir_okay=False),
-    ],
+    usual: Annotated[Path, file_option("minimum of the case whose time is the measure")],
+    known: Annotated[Path, file_option("what `dnawaves accuracy truth` wrote")],
     output: Output,
 ) -> None:
     """Measure the error and the time of one setting."""
@@ -80,7 +72,7 @@ def setting(
 @app.command()
 def costs(
     study: StudyFile,
-    system: Annotated[str, typer.Option(help="name of a system of the study")],
+    system: SystemName,
     minimum: Minimum,
     output: Output,
 ) -> None:
@@ -92,7 +84,7 @@ def costs(
 
 @app.command()
 def tables(
-    rows: Annotated[list[Path], typer.Argument(help="rows", exists=True, dir_okay=False)],
+    rows: Annotated[list[Path], file("rows")],
     settings: Annotated[Path, typer.Option(help="CSV file of settings of one model")],
     models: Annotated[Path, typer.Option(help="CSV file of other models")],
 ) -> None:
@@ -104,13 +96,12 @@ def tables(
 
 @app.command()
 def page(
-    settings: Annotated[Path, typer.Argument(help="table of settings", exists=True)],
-    models: Annotated[Path, typer.Argument(help="table of models", exists=True)],
-    config: Annotated[Path, typer.Option(help="scenes whose settings are marked", exists=True)],
+    settings: Annotated[Path, file("table of settings")],
+    models: Annotated[Path, file("table of models")],
+    config: Annotated[Path, file_option("scenes whose settings are marked")],
     output: Output,
     costs: Annotated[
-        list[Path] | None,
-        typer.Option(help="what `accuracy costs` wrote; repeatable", exists=True, dir_okay=False),
+        list[Path] | None, file_option("what `accuracy costs` wrote; repeatable")
     ] = None,
 ) -> None:
     """Write the study as one page that opens offline."""

@@ -20,6 +20,11 @@ def file(text: str) -> Any:
     return typer.Argument(help=text, exists=True, dir_okay=False)
 
 
+def file_option(text: str) -> Any:
+    """Return an option that is a file which is there."""
+    return typer.Option(help=text, exists=True, dir_okay=False)
+
+
 def output_option(text: str) -> Any:
     """Return the option for the file that a command writes."""
     return typer.Option("--output", help=text, dir_okay=False)

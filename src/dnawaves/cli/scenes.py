@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from dnawaves.cli.arguments import Config, app, output_option
+from dnawaves.cli.arguments import Config, Results, app, output_option
 
 EndName = Literal["free", "held", "pinned"]
 
@@ -25,9 +25,7 @@ def check(config: Config) -> None:
 def explain(
     config: Config,
     scene: Annotated[str, typer.Argument(help="name of a scene")],
-    results: Annotated[Path, typer.Option(help="folder of the workflow's results")] = Path(
-        "results"
-    ),
+    results: Results = Path("results"),
 ) -> None:
     """Say what a scene runs: forces, size, expected time from a short probe, disk space."""
     from dnawaves.trajectory.explain import explain as explained
@@ -51,9 +49,7 @@ def advise(
     study: Annotated[
         Path, typer.Option(help="settings, as `snakemake accuracy` wrote them")
     ] = Path("results/accuracy/settings.csv"),
-    results: Annotated[Path, typer.Option(help="folder of the workflow's results")] = Path(
-        "results"
-    ),
+    results: Results = Path("results"),
 ) -> None:
     """Name the cheapest setting for a scene that errs no more, or the best that takes no longer."""
     from dnawaves.accuracy.advise import Wanted, parse_error, parse_minutes

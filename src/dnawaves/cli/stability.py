@@ -7,6 +7,8 @@ from typing import Annotated
 
 import typer
 
+from dnawaves.cli.arguments import file, output_option
+
 app = typer.Typer(
     help="Hard cases and what is expected of them: the steps of `snakemake stability`.",
     no_args_is_help=True,
@@ -25,7 +27,7 @@ def list_cases() -> None:
 @app.command()
 def case(
     name: Annotated[str, typer.Argument(help="name of a case, as `stability list` shows it")],
-    output: Annotated[Path, typer.Option(help="JSON file of its row", dir_okay=False)],
+    output: Annotated[Path, output_option("JSON file of its row")],
 ) -> None:
     """Run one case and write its row, whether it passes or fails."""
     from dnawaves.stability.steps import stability_step
@@ -35,8 +37,8 @@ def case(
 
 @app.command()
 def table(
-    rows: Annotated[list[Path], typer.Argument(help="rows", exists=True, dir_okay=False)],
-    output: Annotated[Path, typer.Option(help="CSV file of all rows", dir_okay=False)],
+    rows: Annotated[list[Path], file("rows")],
+    output: Annotated[Path, output_option("CSV file of all rows")],
     page: Annotated[Path, typer.Option(help="HTML page of the table", dir_okay=False)],
 ) -> None:
     """Gather the rows into a table and a page that opens offline."""

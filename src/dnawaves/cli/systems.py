@@ -15,6 +15,7 @@ from dnawaves.cli.arguments import (
     Threads,
     app,
     file,
+    file_option,
     output_option,
 )
 
@@ -87,31 +88,17 @@ def constants(
     built: Built,
     start: Start,
     output: Annotated[Path, output_option("CSV file of the rod's constants by every route")],
-    modes: Annotated[
-        Path | None,
-        typer.Option(help="normal modes of the free duplex, at 0 K", exists=True, dir_okay=False),
-    ] = None,
+    modes: Annotated[Path | None, file_option("normal modes of the free duplex, at 0 K")] = None,
     speeds: Annotated[
-        list[Path] | None,
-        typer.Option(
-            help="fitted speeds of a static scene; repeatable", exists=True, dir_okay=False
-        ),
+        list[Path] | None, file_option("fitted speeds of a static scene; repeatable")
     ] = None,
     motion: Annotated[
         list[Path] | None,
-        typer.Option(
-            help="motion of an equilibrium scene above 0 K with free ends; repeatable",
-            exists=True,
-            dir_okay=False,
-        ),
+        file_option("motion of an equilibrium scene above 0 K with free ends; repeatable"),
     ] = None,
     helical: Annotated[
         list[Path] | None,
-        typer.Option(
-            help="helical parameters, with frames, of such a scene; repeatable",
-            exists=True,
-            dir_okay=False,
-        ),
+        file_option("helical parameters, with frames, of such a scene; repeatable"),
     ] = None,
 ) -> None:
     """Gather the rod's constants of a system by every route, with intervals."""

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from dnawaves.cli.arguments import Built, SceneJson, Threads, app, file, output_option
+from dnawaves.cli.arguments import Built, SceneJson, Threads, app, file, file_option, output_option
 
 
 @app.command()
@@ -23,22 +23,13 @@ def simulate(
         Path | None, typer.Option(help="folder for the base atoms' trajectories", file_okay=False)
     ] = None,
     fitted: Annotated[
-        list[Path] | None,
-        typer.Option(
-            help="speeds of a scene that a sweep names; once for each", exists=True, dir_okay=False
-        ),
+        list[Path] | None, file_option("speeds of a scene that a sweep names; once for each")
     ] = None,
     hessian: Annotated[
-        Path | None,
-        typer.Option(help="Hessian at the minimum, for a static load", exists=True, dir_okay=False),
+        Path | None, file_option("Hessian at the minimum, for a static load")
     ] = None,
     modes: Annotated[
-        Path | None,
-        typer.Option(
-            help="normal modes with the scene's ends, for a harmonic scene",
-            exists=True,
-            dir_okay=False,
-        ),
+        Path | None, file_option("normal modes with the scene's ends, for a harmonic scene")
     ] = None,
     threads: Threads = 1,
     platform: Annotated[str, typer.Option(help="OpenMM's platform")] = "CPU",
@@ -69,10 +60,7 @@ def helical(
         list[Path] | None, file("any trajectories that MDAnalysis reads, one after the other")
     ] = None,
     pairs: Annotated[
-        Path | None,
-        typer.Option(
-            help="CSV file of base pairs: chain1,resid1,chain2,resid2", exists=True, dir_okay=False
-        ),
+        Path | None, file_option("CSV file of base pairs: chain1,resid1,chain2,resid2")
     ] = None,
     start: Annotated[int | None, typer.Option(help="first frame, from 0")] = None,
     stop: Annotated[int | None, typer.Option(help="frame to end before")] = None,
@@ -117,21 +105,13 @@ def joint(
 def compare(
     speeds: Annotated[list[Path], file("fitted speeds of each scene")],
     output: Annotated[Path, output_option("CSV file")],
-    scene: Annotated[
-        list[Path],
-        typer.Option(help="what `dnawaves freeze` wrote; repeatable", exists=True, dir_okay=False),
-    ],
+    scene: Annotated[list[Path], file_option("what `dnawaves freeze` wrote; repeatable")],
     structure: Annotated[
-        list[Path] | None,
-        typer.Option(help="what `dnawaves inspect` wrote; repeatable", exists=True, dir_okay=False),
+        list[Path] | None, file_option("what `dnawaves inspect` wrote; repeatable")
     ] = None,
     constants: Annotated[
         list[Path] | None,
-        typer.Option(
-            help="constants of a system's rod, in the system's folder; repeatable",
-            exists=True,
-            dir_okay=False,
-        ),
+        file_option("constants of a system's rod, in the system's folder; repeatable"),
     ] = None,
 ) -> None:
     """Hold fitted speeds against the paper's rod and the molecule's own, with verdicts."""

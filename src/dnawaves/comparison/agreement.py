@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from dnawaves.comparison.compare import ONE, doubt, speed_of
+from dnawaves.comparison.compare import ONE, doubt, sound, speed_of
 from dnawaves.comparison.judge import Band, Word, judge
 
 ANSWERS: dict[Word, str] = {
@@ -50,12 +50,13 @@ def agreement(
 ) -> Agreement | None:
     """Return how the estimates of one wave of one system agree; None without a standing wave.
 
-    The lowest simulated standing wave is the yardstick. Arrivals count by their ratio to the
-    paper's rod, which has the same bias. `segments` is the stiffness by length, which may be why.
+    The lowest simulated standing wave is the yardstick, of those whose fit is sound. Arrivals count
+    by their ratio to the paper's rod, which has the same bias. `segments` is the stiffness by
+    length, which may be why.
     """
     rows = table[(table["wave"] == wave) & (table["scope"] == ONE)]
     known = rows[rows["speed_A_per_ps"].notna()]
-    standing = lowest_first(known[known["estimator"] == "standing wave"])
+    standing = lowest_first(sound(known[known["estimator"] == "standing wave"]))
     if standing.empty:
         return None
     yardstick = standing.iloc[0]
@@ -81,7 +82,8 @@ def _route(
     row: pd.Series, yardstick: pd.Series, known: pd.DataFrame, segments: pd.DataFrame | None
 ) -> Route:
     ratio = _unbiased(row).over(_unbiased(yardstick))
-    judgement = judge(ratio, doubt(row))
+    unsure = doubt(yardstick)
+    judgement = judge(ratio, doubt(row) or (unsure and f"the yardstick: {unsure}"))
     # Adding zero turns a negative one into a positive one.
     percent = f"{round(ratio.value - 1, 2) + 0.0:+.0%}".replace("-", "−")
     why = judgement.why
@@ -122,6 +124,11 @@ def _why(
 def _why_static(
     row: pd.Series, known: pd.DataFrame, yardstick_A_per_ps: float, segments: pd.DataFrame | None
 ) -> str:
+    if row["wave"] == "twist" and row["speed_A_per_ps"] > yardstick_A_per_ps:
+        return (
+            "the load turns the duplex at fixed length; the length follows a wave of twist by "
+            "their coupling, and slows it"
+        )
     held = known.loc[known["estimator"] == "static, held across", "speed_A_per_ps"]
     if len(held) and row["speed_A_per_ps"] < yardstick_A_per_ps < held.iloc[0]:
         return (

@@ -7,15 +7,17 @@ molecule without any wave; (c) the lattice of rigid base pairs with the same con
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from math import inf, isnan
+from dataclasses import asdict
+from math import inf, isnan, nan
 
 import pandas as pd
 
-from dnawaves.comparison.groups import Group, groups
+from dnawaves.comparison.groups import LENGTHS, Group, groups
 from dnawaves.comparison.judge import Band, Judgement, judge, judge_structures, range_of
 from dnawaves.comparison.predictions import NOTHING, Prediction, predict
 from dnawaves.errors import InputError
 from dnawaves.scene.models import SceneSpec
+from dnawaves.waves.flights import FEWEST_LENGTHS, flight_row
 from dnawaves.waves.table import TEXT_COLUMNS
 
 ONE = "one structure"
@@ -90,6 +92,12 @@ def doubt(row: pd.Series) -> str:
     if str(row.get("model_class", "")).startswith("rejected"):
         return f"model {row['model_class']}"
     return "poor fit" if "poor fit" in row["reason"] else ""
+
+
+def sound(rows: pd.DataFrame) -> pd.DataFrame:
+    """Return the estimates without a doubt, all of them where each has one."""
+    sure = [not doubt(row) for _, row in rows.iterrows()]
+    return rows[sure] if any(sure) else rows
 
 
 def _judged(row: pd.Series, scene: SceneSpec, constants: pd.DataFrame | None) -> dict[str, object]:
@@ -172,16 +180,39 @@ def _of_group(group: Group, table: pd.DataFrame) -> list[dict[str, object]]:
         if len(known) < 2:
             continue
         rows.append(_together(group, known, f"over {len(known)} {group.kind}"))
-        sound = known[known["structure"] == B_DNA]
-        if 1 < len(sound) < len(known):
-            rows.append(_together(group, sound, f"over {len(sound)} {group.kind} of B-DNA"))
+        b_dna = known[known["structure"] == B_DNA]
+        if 1 < len(b_dna) < len(known):
+            rows.append(_together(group, b_dna, f"over {len(b_dna)} {group.kind} of B-DNA"))
+    if group.kind == LENGTHS:
+        picked = table[(table["estimator"] == "arrival") & table["speed_A_per_ps"].notna()]
+        arrivals = picked[[not doubt(row) for _, row in picked.iterrows()]]
+        if len(arrivals) >= FEWEST_LENGTHS:
+            rows.append(_flight(group, arrivals))
     return rows
+
+
+def _flight(group: Group, arrivals: pd.DataFrame) -> dict[str, object]:
+    """Return the row of the time of flight against length, judged against the paper's rod's."""
+    estimate = flight_row(arrivals)
+    row: dict[str, object] = {
+        **asdict(estimate),
+        "scene": group.scenes[0],
+        "system": arrivals.iloc[0]["system"],
+        "method": arrivals.iloc[0]["method"],
+        "scope": f"over {len(arrivals)} {group.kind}",
+        "structure": _structures(arrivals),
+    }
+    found = pd.Series(row).fillna(nan)
+    if estimate.speed_A_per_ps is None:
+        return {**row, "verdict": "no speed" + _structure(found)}
+    ratio = speed_of(found).over(Band.of(float(found["paper_A_per_ps"])))
+    return {**row, **_words(found, {"paper": (ratio, judge(ratio))})}
 
 
 def _together(group: Group, members: pd.DataFrame, scope: str) -> dict[str, object]:
     """Return the mean and range of a group's speeds; it is judged by ratios, each to its own rod.
 
-    Over lengths there are too few for a verdict, and the waves differ too.
+    Over lengths there is no verdict: the waves differ too.
     """
     first = members.iloc[0]
     speeds = range_of(list(members["speed_A_per_ps"]))
@@ -198,7 +229,8 @@ def _together(group: Group, members: pd.DataFrame, scope: str) -> dict[str, obje
         "variations": len(members),
         "reason": f"mean of {', '.join(members['scene'])}",
     }
-    doubts = [doubt(one) for _, one in members.iterrows()]
+    doubts = ["lengths are no draws of one speed"] if group.kind == LENGTHS else []
+    doubts += [doubt(one) for _, one in members.iterrows()]
     unsure = "; ".join(dict.fromkeys(filter(None, doubts)))
     judgements = {}
     for rod in RODS:

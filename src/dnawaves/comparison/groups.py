@@ -11,6 +11,8 @@ from dnawaves.scene.models import SceneSpec
 
 Spec = dict[str, Any]
 
+STRUCTURES, LENGTHS = "inherent structures", "lengths"
+
 
 @dataclass(frozen=True)
 class Group:
@@ -24,12 +26,12 @@ def groups(scenes: Iterable[SceneSpec]) -> list[Group]:
     """Return all groups of two scenes and more, in the scenes' order."""
     specs = list(scenes)
     found = []
-    for kind, mask in (("inherent structures", _without_seed), ("lengths", _without_duplex)):
+    for kind, mask in ((STRUCTURES, _without_seed), (LENGTHS, _without_duplex)):
         alike: dict[str, list[SceneSpec]] = {}
         for spec in specs:
             alike.setdefault(_key(spec, mask), []).append(spec)
         for members in alike.values():
-            chosen = members if kind == "inherent structures" else _of_different_length(members)
+            chosen = members if kind == STRUCTURES else _of_different_length(members)
             if len(chosen) > 1:
                 found.append(Group(kind, tuple(spec.name for spec in chosen)))
     return found

@@ -17,7 +17,6 @@ import pandas as pd
 from dnawaves.comparison.judge import Band
 from dnawaves.errors import InputError
 from dnawaves.rod.chain import PlaneChain
-from dnawaves.rod.dispersion import bend_shear_branches
 from dnawaves.rod.rod import Rod, short_wave_speeds_A_per_ps
 from dnawaves.rod.standing import bend_standing_wave, shear_standing_wave
 from dnawaves.scene.excitations import Kick, StandingWave
@@ -26,13 +25,14 @@ from dnawaves.scene.pairs import excited_pairs, held_pairs, span
 from dnawaves.units import A_PER_NM, KJ_PER_MOL_PER_PN_NM
 from dnawaves.waves.constants.table import PLACES, rod_of
 from dnawaves.waves.estimators.correlation import arrival_ps
-from dnawaves.waves.record import AXIAL_WAVES
+from dnawaves.waves.record import AXIAL_WAVES, chain_ends
 
 # Pieces of a base-pair step that make a chain a continuum: the lattice's dispersion, (ka)²/24,
 # is 64 times smaller.
 FINE = 8
 SEGMENTS = re.compile(r"^(hessian|thermal|thermal bases), segments of (\d+) steps$")
 KINDS = ("thermal", "thermal bases", "hessian")
+THERMAL_MODE = re.compile(r"^thermal mode (\d+)$")
 PAPER_A_PER_PS = short_wave_speeds_A_per_ps(Rod.paper())
 # Frames of a kicked chain per time in which its wave crosses one base-pair step.
 FRAMES_PER_STEP = 20
@@ -200,18 +200,19 @@ def _plane_question(row: pd.Series, scene: SceneSpec) -> Callable[[Rod, int], fl
     """Return the same experiment on a chain whose steps are cut into so many pieces."""
     excitation, pairs = scene.excitation, len(scene.system.duplex.sequence)
     wave = str(row["wave"])
-    if str(row["estimator"]).startswith("thermal mode"):
-        return lambda rod, pieces: _branch_A_per_ps(rod, pieces, wave, row["wavenumber_rad_per_A"])
-    if isinstance(excitation, StandingWave) and pd.notna(row["wavenumber_rad_per_A"]):
+    mode = _standing_mode(row, scene)
+    if mode is not None and pd.notna(row["wavenumber_rad_per_A"]):
         wavenumber = float(row["wavenumber_rad_per_A"])
         first, last = span(scene.ends, pairs)
         standing = bend_standing_wave if wave == "bend" else shear_standing_wave
-        mode = excitation.mode
+        ends = chain_ends(scene)
+        # A free end is half a spacing longer than a held one.
+        shorter = {"free": 0.0, "one_held": 0.5, "held": 1.0}[ends]
 
         def speed(rod: Rod, pieces: int) -> float:
             fine = replace(rod, spacing_nm=rod.spacing_nm / pieces)
-            count = (last - first) * pieces + 1
-            return standing(fine, count, mode, "held").frequency_rad_per_ps / wavenumber
+            count = round((last - first + 1 - shorter) * pieces + shorter)
+            return standing(fine, count, mode, ends).frequency_rad_per_ps / wavenumber
 
         return speed
     if isinstance(excitation, Kick) and row["estimator"] == "arrival":
@@ -225,10 +226,12 @@ def _plane_question(row: pd.Series, scene: SceneSpec) -> Callable[[Rod, int], fl
     return None
 
 
-def _branch_A_per_ps(rod: Rod, pieces: int, wave: str, wavenumber_per_A: float) -> float:
-    """Return frequency over wavenumber on the branch of a wave; in pieces it is the continuum."""
-    branches = bend_shear_branches(rod, [A_PER_NM * wavenumber_per_A], lattice=pieces == 1)
-    return float(branches[0, 0 if wave == "bend" else 1]) / wavenumber_per_A
+def _standing_mode(row: pd.Series, scene: SceneSpec) -> int | None:
+    """Return the number of the standing wave that an estimate is of."""
+    if isinstance(scene.excitation, StandingWave):
+        return scene.excitation.mode
+    found = THERMAL_MODE.match(str(row["estimator"]))
+    return int(found[1]) if found else None
 
 
 def straight_rod(constants: pd.DataFrame, route: str) -> Rod | None:

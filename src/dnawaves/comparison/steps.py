@@ -43,8 +43,4 @@ def compare_step(
 
 def read_comparison(path: Path) -> pd.DataFrame:
     """Read the comparison; text columns are empty strings where nothing was written."""
-    # As text first: pandas takes a scene that is called "null" or "NA" for a missing value.
-    frame = pd.read_csv(path, dtype=str, keep_default_na=False)
-    numbers = [str(name) for name in frame if name not in (*TEXT_COLUMNS, *ADDED_TEXT)]
-    frame[numbers] = frame[numbers].apply(pd.to_numeric)
-    return frame
+    return read_table(path, (*TEXT_COLUMNS, *ADDED_TEXT))

@@ -7,6 +7,7 @@ steps ask of them: see `backbone_bonds_nm`.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -73,16 +74,22 @@ def duplex_on_frames(
 
 def geometry(duplex: FibreDuplex) -> DuplexGeometry:
     """Return the parameters and frames of a duplex; of the fibre model, for instance."""
-    strand_I, strand_II = (
-        Frames(
-            np.stack([frame.origin for _, frame in strand], axis=-1),
-            np.stack([frame.axes for _, frame in strand], axis=-1),
-        )
-        for strand in _strands(duplex)
-    )
+    strand_I, strand_II = (stacked(frame for _, frame in strand) for strand in _strands(duplex))
     in_pairs = pair_parameters(strand_I, strand_II)
     in_steps = step_parameters(in_pairs.middle)
     return DuplexGeometry(in_steps.values, in_pairs.values, in_pairs.middle)
+
+
+def base_frame(letter: str, places_A: Mapping[str, Array]) -> Frames:
+    """Return the standard frame of a base whose atoms, by name, are at places (3,) in Å."""
+    ring = standard_ring(letter)
+    return fit_frames(np.array(list(ring.values())), np.array([places_A[name] for name in ring]).T)
+
+
+def stacked(frames: Iterable[Frames]) -> Frames:
+    """Return frames, each of one base or pair, as one (frames,)."""
+    origins, axes = zip(*frames, strict=True)
+    return Frames(np.stack(origins, axis=-1), np.stack(axes, axis=-1))
 
 
 def backbone_bonds_nm(duplex: FibreDuplex) -> NDArray[np.float64]:
@@ -114,8 +121,7 @@ def _base_frame(duplex: FibreDuplex, atoms: NDArray[np.int64]) -> Frames:
     places_A = dict(
         zip(duplex.atom_names[atoms], A_PER_NM * duplex.positions_nm[atoms], strict=True)
     )
-    ring = standard_ring(duplex.residue_names[atoms[0]].removeprefix("D"))
-    return fit_frames(np.array(list(ring.values())), np.array([places_A[name] for name in ring]).T)
+    return base_frame(duplex.residue_names[atoms[0]].removeprefix("D"), places_A)
 
 
 def _of_shape(values: ArrayLike, number: int, what: str, sequence: str) -> Array:

@@ -6,8 +6,8 @@ import os
 import sys
 import traceback
 import warnings
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -82,24 +82,14 @@ def _write(
     console: Console,
     read: Sequence[Path],
 ) -> None:
-    if output.suffix == ".csv":
-        tables = Tables(analysis.duplexes)
-        with (
-            csv_output(output) as append_rows,
-            _naming(*read),
-            _progress(console, len(frames)) as advance,
-        ):
-            for length, rows in render_blocks(analysis, frames, tables, workers):
-                append_rows(rows)
-                advance(length)
-        return
-    with (
-        netcdf_output(output) as append,
-        _naming(*read),
-        _progress(console, len(frames)) as advance,
-    ):
-        for length, block in render_blocks(analysis, frames, _with_versions, workers):
-            append(block)
+    tables = output.suffix == ".csv"
+    render: Callable[[xr.Dataset], Any] = Tables(analysis.duplexes) if tables else _with_versions
+    opened: AbstractContextManager[Callable[[Any], None]] = (
+        csv_output(output) if tables else netcdf_output(output)
+    )
+    with opened as append, _naming(*read), _progress(console, len(frames)) as advance:
+        for length, part in render_blocks(analysis, frames, render, workers):
+            append(part)
             advance(length)
 
 

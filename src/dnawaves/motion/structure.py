@@ -101,7 +101,8 @@ def kinked_steps(dataset: xr.Dataset) -> list[str]:
     """Return the steps whose rise or roll says that the bases are no longer stacked."""
     low, high = KINK_RISE_RANGE_A
     rise, roll = dataset["rise"].values, dataset["roll"].values
-    kinked = (rise < low) | (rise > high) | (np.abs(roll) > KINK_ROLL_DEG)
+    # A step without a frame is not stacked either: NaN fails every comparison.
+    kinked = ~((rise >= low) & (rise <= high) & (np.abs(roll) <= KINK_ROLL_DEG))
     return [
         f"{label} (rise {rise[index]:.1f} Å, roll {roll[index]:.0f}°)"
         for index, label in enumerate(dataset["step"].values)

@@ -9,7 +9,7 @@ import pandas as pd
 
 from dnawaves.accuracy.effects import effects
 from dnawaves.accuracy.figures import drawn, mark, marks, work_precision
-from dnawaves.accuracy.front import order
+from dnawaves.accuracy.front import SAME_COST, order
 from dnawaves.accuracy.match import shipped
 from dnawaves.accuracy.table import MEASURES, read_csv, succeeded
 from dnawaves.files import write_text
@@ -22,7 +22,9 @@ from dnawaves.scene.models import SceneSpec
 
 TITLE = "What accuracy costs in time"
 COST = "time, in parts of the default setting's"
-WITHIN = 0.2
+WORDS = {"speed": "fitted speed", "waveform": "worst waveform", "helical": "helical parameters"}
+# Settings that cost or err so little more than they need count as near enough to the front.
+WITHIN = 2 * SAME_COST
 NO_COSTS = pd.DataFrame({"system": [], "effect": [], "ms_saved": [], "ms_per_step_whole": []})
 
 
@@ -89,9 +91,6 @@ def illustrations(settings: pd.DataFrame, scenes: dict[str, SceneSpec]) -> list[
         "over the root of their number.",
     )
     return shown
-
-
-WORDS = {"speed": "fitted speed", "waveform": "worst waveform", "helical": "helical parameters"}
 
 
 def fronts_table(settings: pd.DataFrame, scenes: dict[str, SceneSpec]) -> Table:
@@ -192,7 +191,7 @@ def render(
     return fill_with_figures(
         "accuracy.html.j2",
         title=TITLE,
-        figures=illustrations(settings, scenes),
+        illustrations=illustrations(settings, scenes),
         count=len(settings),
         ran=len(succeeded(settings)),
         machine=machine(settings),

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import pandas as pd
 
 from dnawaves.comparison.agreement import lowest_first
-from dnawaves.comparison.compare import NULL_WORDS, ONE, doubt, speed_of
+from dnawaves.comparison.compare import NULL_WORDS, ONE, sound, speed_of
 from dnawaves.comparison.judge import CONFIDENCE, Band, largest_rate
 from dnawaves.comparison.predictions import constant
 from dnawaves.report.gather import Results, SystemResults
@@ -80,9 +80,7 @@ def answers(results: Results) -> list[Answer]:
 
 def lead(rows: pd.DataFrame) -> pd.Series | None:
     """Return the estimate that speaks for one wave in one system, a sound one if there is any."""
-    known = rows[rows["speed_A_per_ps"].notna()]
-    sound = [not doubt(row) for _, row in known.iterrows()]
-    known = known[sound] if any(sound) else known
+    known = sound(rows[rows["speed_A_per_ps"].notna()])
     for estimator in HOW:
         chosen = lowest_first(known[known["estimator"].str.startswith(estimator)])
         if len(chosen):

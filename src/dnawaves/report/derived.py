@@ -5,13 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from dnawaves.comparison.compare import ONE
 from dnawaves.comparison.predictions import constant, spacing_A
 from dnawaves.report.answers import lead
 from dnawaves.report.gather import Results, SystemResults
 from dnawaves.report.numbers import digits
 from dnawaves.report.own_lattice import own_rod
-from dnawaves.report.style import INK, WAVE_COLOURS, Illustration, blank_figure
+from dnawaves.report.style import INK, WAVE_COLOURS, Illustration, blank_figure, error_bars
 from dnawaves.rod.dispersion import bend_shear_branches
 from dnawaves.rod.rod import Rod
 from dnawaves.units import A_PER_NM, GHZ_PER_RAD_PER_PS
@@ -24,14 +23,12 @@ from dnawaves.waves.record import AXIAL_WAVES
 
 # Frequencies of the curves, GHz: from far below the crossover to the lattice's edge.
 LOWEST_GHZ, POINTS = 2.0, 200
-SYMBOLS = {"standing wave": "circle", "resonance": "diamond-open"}
 
 
 def damped(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the waves of which a fit found the friction, in single structures."""
+    """Return the waves of which a fit found the friction."""
     return table[
-        (table["scope"] == ONE)
-        & (table["friction_per_ps"] > 0)
+        (table["friction_per_ps"] > 0)
         & table["frequency_GHz"].notna()
         & table["speed_A_per_ps"].notna()
     ]
@@ -39,7 +36,7 @@ def damped(table: pd.DataFrame) -> pd.DataFrame:
 
 def attenuation(results: Results, system: SystemResults) -> tuple[Illustration | None, str]:
     """Return how far each wave runs before its amplitude has fallen by e, and what that says."""
-    rows = damped(results.table[results.table["system"] == system.spec.name])
+    rows = damped(results.single(system.spec.name))
     lengths = {index: _length_A(system, row) for index, row in rows.iterrows()}
     rows = rows.assign(length_A=pd.Series(lengths, dtype=float)).dropna(subset=["length_A"])
     if rows.empty:
@@ -91,7 +88,7 @@ def _group_velocity_A_per_ps(rod: Rod, wave: str, wavenumber_per_A: float) -> fl
 
 def diffusion(results: Results, system: SystemResults) -> tuple[Illustration | None, str]:
     """Return where propagation turns into diffusion, of extension and of twist."""
-    table = results.table[results.table["system"] == system.spec.name]
+    table = results.single(system.spec.name)
     spacing = spacing_A(system.constants)
     figure = blank_figure("frequency of the drive (GHz)", "attenuation length (Å)")
     said = []
@@ -161,13 +158,7 @@ def coupling(system: SystemResults) -> tuple[Illustration | None, str]:
         figure.add_scatter(
             x=group["steps"],
             y=group["value"],
-            error_y={
-                "type": "data",
-                "symmetric": False,
-                "array": group["high"] - group["value"],
-                "arrayminus": group["value"] - group["low"],
-                "thickness": 1,
-            },
+            error_y=error_bars(group["value"], group["low"], group["high"], 1),
             mode="markers",
             marker={"color": INK if name == "hessian" else WAVE_COLOURS["bend"], "size": 7},
             name=str(name),

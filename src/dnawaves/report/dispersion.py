@@ -10,7 +10,7 @@ import pandas as pd
 import plotly.graph_objects as go
 from numpy.typing import NDArray
 
-from dnawaves.report.style import INK, PAPER_LINE, WAVE_COLOURS, blank_figure
+from dnawaves.report.style import INK, PAPER_LINE, WAVE_COLOURS, blank_figure, error_bars
 from dnawaves.rod.dispersion import bend_shear_branches, lattice_frequency
 from dnawaves.rod.rod import Rod, short_wave_speeds_A_per_ps
 from dnawaves.units import A_PER_NM, GHZ_PER_RAD_PER_PS
@@ -116,17 +116,11 @@ def add_points(figure: go.Figure, wave: str, estimator: str, rows: pd.DataFrame)
     """Add the standing waves of one wave and estimator, with their intervals."""
     # All speeds of a row are its frequencies over one wavenumber: the interval carries over.
     per_speed = rows["frequency_GHz"] / rows["speed_A_per_ps"]
-    spread: Mapping[str, object] = {
-        "type": "data",
-        "symmetric": False,
-        "array": per_speed * (rows["high_A_per_ps"] - rows["speed_A_per_ps"]),
-        "arrayminus": per_speed * (rows["speed_A_per_ps"] - rows["low_A_per_ps"]),
-        "thickness": 1.5,
-    }
+    low, high = (per_speed * rows[f"{end}_A_per_ps"] for end in ("low", "high"))
     figure.add_scatter(
         x=rows["wavenumber_rad_per_A"],
         y=rows["frequency_GHz"],
-        error_y=spread,
+        error_y=error_bars(rows["frequency_GHz"], low, high),
         mode="markers",
         marker={"color": WAVE_COLOURS[wave], "symbol": MARKERS[estimator], "size": 10},
         showlegend=False,

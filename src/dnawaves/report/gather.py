@@ -95,6 +95,16 @@ class Results:
     jobs: list[Job]
     folder: Path
 
+    def single(self, system: str) -> pd.DataFrame:
+        """Return the estimates of one system by itself, without those of groups."""
+        return self.table[(self.table["system"] == system) & (self.table["scope"] == ONE)]
+
+    def spacing_A(self, system: str) -> float:
+        """Return the spacing of base pairs of a system, as its scenes have it."""
+        return next(
+            scene.spacing_A for scene in self.scenes.values() if scene.spec.system.name == system
+        )
+
 
 def gather(config: Path, results: Path) -> Results:
     """Read the results of every scene of a configuration.
@@ -127,11 +137,14 @@ def gather(config: Path, results: Path) -> Results:
 def read_jobs(folder: Path, targets: Iterable[str]) -> list[Job]:
     """Return the costs of all jobs that concern these scenes and systems, in this order.
 
-    A file is `<rule>/<target>.<run>.tsv`, `<rule>/<target>.tsv` or `<rule>.tsv`.
+    That of an earlier report is none of them: this page's own comes later. A file is
+    `<rule>/<target>.<run>.tsv`, `<rule>/<target>.tsv` or `<rule>.tsv`. What lies deeper belongs to
+    a study, whose cases may be called as scenes are.
     """
     known = [*targets, ""]
+    files = {*folder.glob("*.tsv"), *folder.glob("*/*.tsv")} - {folder / "report.tsv"}
     jobs = []
-    for path in sorted(folder.glob("**/*.tsv")):
+    for path in sorted(files):
         inside = path.parent != folder
         target, _, run = path.stem.partition(".") if inside else ("", "", "")
         if target not in known:

@@ -17,6 +17,7 @@ from dnawaves.report.style import (
     WAVE_COLOURS,
     Illustration,
     blank_figure,
+    error_bars,
     heatmap,
     map_figure,
 )
@@ -24,6 +25,9 @@ from dnawaves.report.tables import Table
 from dnawaves.rod.rod import Rod, short_wave_speeds_A_per_ps
 from dnawaves.scene.excitations import Static
 from dnawaves.waves.record import AXIAL_WAVES
+
+# The edge 2V/a of the fastest branch, that of extension at twice the paper's speed.
+TOP_GHZ = 1500.0
 
 
 def segments_figure(segments: pd.DataFrame, table: pd.DataFrame) -> Illustration:
@@ -50,13 +54,9 @@ def segments_figure(segments: pd.DataFrame, table: pd.DataFrame) -> Illustration
             figure.add_scatter(
                 x=half_waves,
                 y=rows["speed_A_per_ps"],
-                error_y={
-                    "type": "data",
-                    "symmetric": False,
-                    "array": rows["high_A_per_ps"] - rows["speed_A_per_ps"],
-                    "arrayminus": rows["speed_A_per_ps"] - rows["low_A_per_ps"],
-                    "thickness": 1.5,
-                },
+                error_y=error_bars(
+                    rows["speed_A_per_ps"], rows["low_A_per_ps"], rows["high_A_per_ps"]
+                ),
                 mode="markers",
                 marker={"color": colour, "symbol": "diamond-open", "size": 11},
                 name=f"{wave}, standing waves",
@@ -91,7 +91,7 @@ def structure_factor_figure(
     )
     # Each wavenumber by its own peak: long waves carry the same energy in fewer modes.
     power = factor / factor.max("frequency")
-    top = factor["frequency"].values <= 1500
+    top = factor["frequency"].values <= TOP_GHZ
     figure = map_figure("wavenumber (rad/Å)", "frequency (GHz)")
     figure.add_trace(
         heatmap(

@@ -97,15 +97,12 @@ def _speeds(results: Results) -> list[Illustration]:
 def _dispersion(results: Results) -> list[Illustration]:
     shown = []
     for name in results.systems:
-        table = results.table[(results.table["system"] == name) & (results.table["scope"] == ONE)]
-        spacing = next(
-            scene.spacing_A for scene in results.scenes.values() if scene.spec.system.name == name
-        )
+        table = results.single(name)
         if len(standing_points(table)):
             shown.append(
                 Illustration(
                     f"Dispersion, {name}",
-                    dispersion_figure(table, spacing),
+                    dispersion_figure(table, results.spacing_A(name)),
                     "Frequency of each standing wave over its wavenumber. Dashed: branches of the "
                     "paper's rod as a chain of base pairs. Solid: the chain whose speed is that of "
                     "the lowest standing wave; a uniform rod would carry the higher ones on the "
@@ -117,14 +114,12 @@ def _dispersion(results: Results) -> list[Illustration]:
 
 def _molecule(results: Results, name: str) -> dict[str, object]:
     system = results.systems[name]
-    table = results.table[(results.table["system"] == name) & (results.table["scope"] == ONE)]
-    spacing_A = next(s.spacing_A for s in results.scenes.values() if s.spec.system.name == name)
     figures = []
     if system.segments is not None:
-        figures.append(segments_figure(system.segments, table))
+        figures.append(segments_figure(system.segments, results.single(name)))
     if system.structure_factor is not None:
         figures += [
-            structure_factor_figure(system.structure_factor, wave, spacing_A)
+            structure_factor_figure(system.structure_factor, wave, results.spacing_A(name))
             for wave in AXIAL_WAVES
         ]
     return {"constants": constants_table(results, system), "figures": figures}

@@ -15,9 +15,9 @@ from dnawaves.report.style import (
     readable_unit,
 )
 from dnawaves.rod.modal import sine_drive_response
+from dnawaves.units import GHZ_PER_RAD_PER_PS
 
 Array = NDArray[np.float64]
-RAD_PER_PS_PER_GHZ = 2e-3 * np.pi
 
 
 def driven_peak(
@@ -36,9 +36,9 @@ def driven_peak(
             np.abs(
                 sine_drive_response(
                     times_ps,
-                    [frequency_GHz * RAD_PER_PS_PER_GHZ],
+                    [frequency_GHz / GHZ_PER_RAD_PER_PS],
                     friction_per_ps,
-                    drive * RAD_PER_PS_PER_GHZ,
+                    drive / GHZ_PER_RAD_PER_PS,
                     ramp_periods * 1e3 / drive,
                 )[1]
             ).max()

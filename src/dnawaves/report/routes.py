@@ -122,8 +122,7 @@ def _entries(routes: list[str], constants: pd.DataFrame) -> list[Entry]:
 
 def _implied(results: Results, system: SystemResults) -> dict[str, str]:
     """Return the constants that the waves give, each from the wave that speaks for it."""
-    table = results.table
-    rows = table[(table["scope"] == ONE) & (table["system"] == system.spec.name)]
+    rows = results.single(system.spec.name)
     found = {}
     for wave in AXIAL_WAVES:
         row = lead(rows[rows["wave"] == wave])

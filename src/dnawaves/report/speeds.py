@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 import plotly.graph_objects as go
 
-from dnawaves.report.style import PAPER_LINE, WAVE_COLOURS, blank_figure
+from dnawaves.report.style import PAPER_LINE, WAVE_COLOURS, blank_figure, error_bars
 from dnawaves.waves.record import AXIAL_WAVES
 
 ROW_PX = 24
@@ -23,18 +23,13 @@ def speeds_figure(table: pd.DataFrame) -> go.Figure:
     labels = (rows["scene"] + " · " + rows["estimator"]).astype(str)
     figure = blank_figure("speed (Å/ps)", "", 90 + ROW_PX * len(rows))
     for wave, group in rows.groupby("wave", sort=False):
+        speed = group["speed_A_per_ps"]
+        # A row without an interval has an exact number: no bar.
+        low, high = (group[f"{end}_A_per_ps"].fillna(speed) for end in ("low", "high"))
         figure.add_scatter(
-            x=group["speed_A_per_ps"],
+            x=speed,
             y=labels[group.index],
-            error_x={
-                "type": "data",
-                "symmetric": False,
-                # A row without an interval has an exact number: no bar.
-                "array": (group["high_A_per_ps"] - group["speed_A_per_ps"]).fillna(0),
-                "arrayminus": (group["speed_A_per_ps"] - group["low_A_per_ps"]).fillna(0),
-                "thickness": 2,
-                "width": 4,
-            },
+            error_x={**error_bars(speed, low, high, 2), "width": 4},
             mode="markers",
             marker={"color": WAVE_COLOURS[str(wave)], "size": 9},
             name=str(wave),

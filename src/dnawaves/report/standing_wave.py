@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import numpy as np
 import plotly.graph_objects as go
 import xarray as xr
 
 from dnawaves.report.style import INK, MEASURED_LINE, PAPER_LINE, blank_figure
 from dnawaves.rod.modal import impulse_response
-
-RAD_PER_PS_PER_GHZ = 2e-3 * np.pi
+from dnawaves.units import GHZ_PER_RAD_PER_PS
 
 
 def projection_figure(
@@ -32,13 +30,13 @@ def projection_figure(
         marker={"color": INK, "size": 4},
         name="simulation",
     )
-    model = impulse_response(time, [frequency_GHz * RAD_PER_PS_PER_GHZ], friction_per_ps)[1][:, 0]
+    model = impulse_response(time, [frequency_GHz / GHZ_PER_RAD_PER_PS], friction_per_ps)[1][:, 0]
     used = time <= window_ps * (1 + 1e-6)
     gain = float(model[used] @ projection.values[used] / (model[used] @ model[used]))
     figure.add_scatter(
         x=time[used], y=gain * model[used], mode="lines", line=MEASURED_LINE, name="fit"
     )
-    paper = impulse_response(time, [paper_frequency_GHz * RAD_PER_PS_PER_GHZ], 0.0)[1][:, 0]
+    paper = impulse_response(time, [paper_frequency_GHz / GHZ_PER_RAD_PER_PS], 0.0)[1][:, 0]
     figure.add_scatter(x=time, y=paper, mode="lines", line=PAPER_LINE, name="paper's rod")
     figure.add_hline(y=0, line={"color": INK, "width": 1})
     return figure

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from dnawaves.accuracy.table import read_csv, succeeded
-from dnawaves.report.accuracy_page import illustrations, machine
+from dnawaves.report.accuracy_page import TITLE, illustrations, machine
 from dnawaves.report.numbers import counted
 from dnawaves.report.stability_page import summary
 from dnawaves.report.style import Illustration
@@ -33,16 +33,15 @@ def studies(results: Path, scenes: dict[str, SceneSpec]) -> list[Study]:
 
 
 def _accuracy(results: Path, scenes: dict[str, SceneSpec]) -> Study:
-    title = "What accuracy costs in time"
     if not (results / ACCURACY).is_file():
-        return Study(title, "Not run; `snakemake accuracy` does.", "")
+        return Study(TITLE, "Not run; `snakemake accuracy` does.", "")
     settings = read_csv(results / ACCURACY)
     said = (
         f"{counted(len(settings), 'setting')}, of which {len(succeeded(settings))} ran, on "
         f"{machine(settings)}."
     )
     shown = illustrations(settings, scenes)[:SHOWN]
-    return Study(title, said, _page(results, ACCURACY), shown)
+    return Study(TITLE, said, _page(results, ACCURACY), shown)
 
 
 def _stability(results: Path) -> Study:

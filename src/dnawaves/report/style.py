@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 import plotly.graph_objects as go
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
@@ -69,6 +70,19 @@ def blank_figure(x_title: str, y_title: str, height_px: int = HEIGHT_PX) -> go.F
             "modebar": {"bgcolor": "rgba(0,0,0,0)", "color": "#9aa5b1", "activecolor": INK},
         }
     )
+
+
+def error_bars(
+    values: pd.Series, low: pd.Series, high: pd.Series, thickness: float = 1.5
+) -> dict[str, object]:
+    """Return bars from low to high."""
+    return {
+        "type": "data",
+        "symmetric": False,
+        "array": high - values,
+        "arrayminus": values - low,
+        "thickness": thickness,
+    }
 
 
 def heatmap(x: ArrayLike, y: ArrayLike, z: ArrayLike, unit: str, **options: object) -> go.Heatmap:

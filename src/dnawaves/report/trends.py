@@ -9,7 +9,6 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
-from dnawaves.comparison.compare import ONE
 from dnawaves.comparison.predictions import constant
 from dnawaves.report.answers import lead
 from dnawaves.report.gather import Results, SceneResults, SystemResults
@@ -23,7 +22,9 @@ from dnawaves.waves.estimators.intervals import LEVEL
 from dnawaves.waves.record import AXIAL_WAVES
 
 # Of a normal distribution's 95 % interval, half its width over the standard deviation.
-NORMAL = 1.96
+NORMAL = float(stats.norm.ppf((1 + LEVEL) / 2))
+# Of the range of distances. A guess of the middle, without any lag, is wrong by 1/√12 = 0.29 of it.
+TELLS_DISTANCE = 0.25
 
 
 def by_sequence(results: Results) -> tuple[Illustration | None, str]:
@@ -87,13 +88,13 @@ def _kinds(constants: pd.DataFrame) -> Iterator[tuple[str, float, float]]:
 
 def by_temperature(results: Results) -> tuple[Illustration | None, str]:
     """Return the speeds by temperature, of duplexes that were run at two and more."""
-    single = results.table[results.table["scope"] == ONE]
     figure = blank_figure("temperature (K)", "speed (Å/ps)")
     said = []
     for wave in AXIAL_WAVES:
         points: list[tuple[float, Measured]] = []
         for name, system in _at_temperatures(results).items():
-            row = lead(single[(single["system"] == name) & (single["wave"] == wave)])
+            single = results.single(name)
+            row = lead(single[single["wave"] == wave])
             if row is not None and pd.notna(row["low_A_per_ps"]):
                 half = float(row["high_A_per_ps"] - row["low_A_per_ps"]) / 2 / NORMAL
                 speed = Measured(float(row["speed_A_per_ps"]), half)
@@ -176,7 +177,7 @@ def lag_distance(results: Results) -> tuple[Illustration | None, str]:
         x=[0, ends[1]], y=[0, slope * ends[1]], mode="lines", line=PAPER_LINE, name="paper's rod"
     )
     spacing = extension.spacing_A
-    verdict = "a distance" if ruler.error_A < np.ptp(distances) / 4 else "no distance"
+    verdict = "a distance" if ruler.error_A < TELLS_DISTANCE * np.ptp(distances) else "no distance"
     line = (
         f"The lag between the fronts of extension and twist measures {verdict} here: read off the "
         f"best line of {len(found)} base pairs it is wrong by ± {digits(ruler.error_A, 2)} Å "

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 Solvent = Literal["none", "OBC2", "GBn2", "OPC", "TIP3P"]
+IMPLICIT, EXPLICIT = ("OBC2", "GBn2"), ("OPC", "TIP3P")
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,7 @@ def contradictions(
     `heavier` and `excited` are the base pairs that cannot move, bear a static load, carry added
     mass, are kicked or driven. A `temperature_K` of None is not known yet.
     """
-    explicit, implicit = solvent in ("OPC", "TIP3P"), solvent in ("OBC2", "GBn2")
+    explicit, implicit = solvent in EXPLICIT, solvent in IMPLICIT
     stuck = sorted(frozenset(frozen))
     ends = f"frozen base pairs {_listed(stuck)}"
     heavy = sorted(frozenset(heavier))

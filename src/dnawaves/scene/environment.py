@@ -7,10 +7,9 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, PositiveFloat, PositiveInt, model_validator
 
 from dnawaves.errors import InputError
-from dnawaves.scene.contradictions import contradictions
+from dnawaves.scene.contradictions import EXPLICIT, Solvent, contradictions
 from dnawaves.scene.model import Model, Seed
 
-EXPLICIT = ("OPC", "TIP3P")
 # What is left out of an environment, without solvent, in implicit and in explicit solvent.
 IN_VACUUM = {"counterion_fraction": 1.0, "cutoff_nm": 0.9, "switch_nm": 0.8}
 IN_IMPLICIT_SOLVENT = {"counterion_fraction": 0.0, "cutoff_nm": None, "switch_nm": None}
@@ -108,7 +107,7 @@ class Environment(Model):
     )
     # Not GBn2 at T = 0: its neck term jumps where it is cut off, so that no minimum can be found to
     # the tolerance and differences of forces across the jump are no Hessian.
-    solvent: Literal["none", "OBC2", "GBn2", "OPC", "TIP3P"] = Field(
+    solvent: Solvent = Field(
         "none",
         description="none, an implicit solvent (OBC2, GBn2: full charges, no cutoff) or explicit "
         "water (OPC, TIP3P); GBn2 and explicit water only above 0 K",
@@ -169,9 +168,12 @@ class Environment(Model):
         defaults["equilibration" if given.get("temperature_K") else "relaxation"] = {}
         left_out = {name: its for name, its in defaults.items() if given.get(name) is None}
         filled = {**given, **left_out}
-        if solvent in EXPLICIT and isinstance(filled.get("equilibration"), dict):
+        steady = filled.get("equilibration")
+        if isinstance(steady, Equilibration):
+            steady = steady.model_dump(exclude_unset=True)
+        if solvent in EXPLICIT and isinstance(steady, dict):
             # Water is put in some percent too thin.
-            filled["equilibration"] = {"pressure_bar": 1.0, **filled["equilibration"]}
+            filled["equilibration"] = {"pressure_bar": 1.0, **steady}
         return filled
 
     @model_validator(mode="after")

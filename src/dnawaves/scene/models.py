@@ -6,7 +6,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, PositiveInt, model_validator
 
-from dnawaves.scene.environment import EXPLICIT, Environment
+from dnawaves.scene.contradictions import EXPLICIT
+from dnawaves.scene.environment import Environment
 from dnawaves.scene.excitations import (
     PULSE_DELAY_WIDTHS,
     Excitation,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass
 from itertools import pairwise
 from math import dist, isfinite
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from dnawaves.errors import InputError
+from dnawaves.files import digest
 from dnawaves.scene.sequence import check_sequence, reverse_complement
 
 Place = tuple[float, float, float]
@@ -70,7 +70,7 @@ def sequence_of_file(path: Path) -> str:
 def digest_of_file(path: Path) -> str:
     """Return the SHA-256 of a file's content; raises `InputError` where it cannot be read."""
     try:
-        return hashlib.sha256(path.read_bytes()).hexdigest()
+        return digest(path.read_bytes())
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
 

@@ -34,8 +34,7 @@ TIMESTEP_PS = 0.002
 def resonance(force_pN: float, periods: int) -> Found:
     """Return how far the energy of a duplex driven at a mode is from the exact linear answer."""
     duplex, record, modes = _held()
-    scene = _driven(duplex, force_pN, 100.0)
-    frequency = _resonant(duplex, modes, scene)
+    frequency = _resonant(duplex, modes)
     plan, scene = _plan(duplex, force_pN, frequency, periods)
     motion = run_member(duplex, scene, plan, "f1", {}).dataset()
     minimum = float(record.attrs["energy_kJ_per_mol"])
@@ -54,7 +53,7 @@ def resonance(force_pN: float, periods: int) -> Found:
 def hard_resonance(force_pN: float, periods: int) -> Found:
     """Return how far work and gained energy differ under a drive far beyond the linear range."""
     duplex, _, modes = _held()
-    frequency = _resonant(duplex, modes, _driven(duplex, force_pN, 100.0))
+    frequency = _resonant(duplex, modes)
     plan, scene = _plan(duplex, force_pN, frequency, periods)
     motion = run_member(duplex, scene, plan, "f1", {}).dataset()
     gained = motion["total_energy"].values - motion["total_energy"].values[:, :1]
@@ -76,7 +75,7 @@ def beyond_the_band(times_edge: float, force_pN: float, periods: int) -> Found:
     duplex, record, modes = _held()
     speed_nm_per_ps = float(record.attrs["first_estimate_extension_A_per_ps"]) / A_PER_NM
     edge = 2 * speed_nm_per_ps / duplex.spacing_nm
-    resonant = _resonant(duplex, modes, _driven(duplex, force_pN, 100.0))
+    resonant = _resonant(duplex, modes)
     largest = []
     for frequency, lasting in ((times_edge * edge, periods), (resonant, periods // 2)):
         plan, scene = _plan(duplex, force_pN, frequency, lasting)
@@ -165,8 +164,10 @@ def _plan(
     return plan, _driven(duplex, force_pN, frequency_GHz)
 
 
-def _resonant(duplex: SimulatedDuplex, modes: NormalModes, scene: SceneSpec) -> float:
+def _resonant(duplex: SimulatedDuplex, modes: NormalModes) -> float:
     """Return the frequency (rad/ps) of the mode that a static push moves most."""
+    # Which one it is depends neither on the size of the push nor on the drive's frequency.
+    scene = _driven(duplex, force_pN=1.0, frequency_GHz=1.0)
     assert isinstance(scene.excitation, Periodic)
     forces = forces_at_full_strength(scene.excitation, scene.ends, duplex)
     rigid = duplex.bodies.velocity(duplex.positions_nm, forces / duplex.masses_Da[:, None])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dnawaves.frames.fit import Frames
 from dnawaves.frames.helix import helix_of_steps, screw_parameters
@@ -12,7 +11,6 @@ from dnawaves.frames.parameters import rigid_body_parameters, step_parameters
 from dnawaves.frames.rotation import rotation_matrix, rotation_vector
 from dnawaves.stability.case import Found
 
-Array = NDArray[np.float64]
 PLACE_A = (0.5, -1.0, 3.4)
 
 

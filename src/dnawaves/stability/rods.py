@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dnawaves.rod.chain import FiniteChain, ScalarChain
 from dnawaves.rod.dispersion import dispersion
@@ -16,8 +15,6 @@ from dnawaves.rod.oscillator import impulse_response, sine_drive_response
 from dnawaves.rod.rod import EXTENSION, TWIST, Rod
 from dnawaves.stability.case import Found
 from dnawaves.stability.judge import stopped
-
-Array = NDArray[np.float64]
 
 
 def nearly_singular(one_less: float) -> Found:

@@ -10,12 +10,11 @@ import scipy.sparse
 import xarray as xr
 from numpy.typing import NDArray
 
-from dnawaves.duplex.build import build_duplex
 from dnawaves.scene.environment import Environment
 from dnawaves.scene.models import NamedDuplex, SceneSpec, SystemSpec
 from dnawaves.system.duplex import SimulatedDuplex
-from dnawaves.system.forces import load_force_field
 from dnawaves.system.relax import relax
+from dnawaves.system.steps import built_structure
 
 Array = NDArray[np.float64]
 HELD = {"first": "held", "last": "held"}
@@ -33,7 +32,7 @@ def built(sequence: str, **environment: object) -> SimulatedDuplex:
         environment_name="sample",
         environment=Environment.model_validate(environment),
     )
-    return SimulatedDuplex(spec, *build_duplex(sequence, load_force_field(spec.environment)))
+    return SimulatedDuplex(spec, *built_structure(spec))
 
 
 @cache

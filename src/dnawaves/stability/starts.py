@@ -16,6 +16,7 @@ from dnawaves.system.duplex import SimulatedDuplex
 from dnawaves.system.relax import anneal, relax, started
 from dnawaves.trajectory.guard import exploded
 from dnawaves.trajectory.verlet import leapfrog
+from dnawaves.units import A_PER_NM
 
 Array = NDArray[np.float64]
 
@@ -40,7 +41,7 @@ def length(unit: str, pairs: int, steps: int) -> Found:
     )
     return Found(
         "holds",
-        10 * moved.spacing_nm,
+        A_PER_NM * moved.spacing_nm,
         f"{len(duplex.pairs)} atoms, {moved.pair_count} base pairs; largest force component "
         f"{force:.3g} kJ/mol/nm; energy changed by {change:+.2g} kJ/mol in {steps} steps",
     )
@@ -50,7 +51,7 @@ def sequence(letters: str) -> Found:
     """Return the rise (Å) of a duplex at its minimum, which has no negative mode."""
     duplex, record, _ = relaxed(letters)
     lowest = float(record["lowest_eigenvalue_per_ps2"][0])
-    return Found("holds", 10 * duplex.spacing_nm, f"lowest eigenvalue {lowest:.1e} ps^-2")
+    return Found("holds", A_PER_NM * duplex.spacing_nm, f"lowest eigenvalue {lowest:.1e} ps^-2")
 
 
 def start(letters: str, **fields: float) -> Found:
@@ -65,7 +66,8 @@ def start(letters: str, **fields: float) -> Found:
     return Found(
         "holds",
         float(record["lowest_eigenvalue_per_ps2"][0]),
-        f"from {before:.3g} to {after:.4g} kJ/mol, rise {10 * relaxed_duplex.spacing_nm:.2f} Å",
+        f"from {before:.3g} to {after:.4g} kJ/mol, "
+        f"rise {A_PER_NM * relaxed_duplex.spacing_nm:.2f} Å",
     )
 
 

@@ -5,7 +5,7 @@ Merz & Shirts 2018, PLoS ONE 13, e0202764.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import openmm
@@ -20,7 +20,15 @@ from dnawaves.system.effects.thermostat import langevin_middle, velocity_verlet_
 from dnawaves.units import BOLTZMANN_KJ_PER_MOL_K
 
 Array = NDArray[np.float64]
-SCHEMES = {"Langevin middle": langevin_middle}
+# Temperature, friction, timestep and seed to an integrator.
+SCHEMES: Mapping[str, Callable[[float, float, float, int], openmm.Integrator]] = {
+    "Langevin middle": langevin_middle,
+    "velocity Verlet with friction": lambda kelvin, friction, dt, seed: (
+        velocity_verlet_with_friction(dt, friction, kelvin, seed)
+    ),
+}
+TIMESTEP_PS = 0.001
+SEED = 1
 
 
 def kinetic_energy(
@@ -75,13 +83,8 @@ def _sampled(
     samples: int,
     spacing_steps: int,
 ) -> pv.data.SimulationData:
-    """Return kinetic and potential energies of a thermostatted duplex, 1 fs a step."""
-    make = SCHEMES.get(scheme)
-    integrator: openmm.Integrator = (
-        make(temperature_K, friction_per_ps, 0.001, 1)
-        if make
-        else velocity_verlet_with_friction(0.001, friction_per_ps, temperature_K, 1)
-    )
+    """Return kinetic and potential energies of a thermostatted duplex."""
+    integrator = SCHEMES[scheme](temperature_K, friction_per_ps, TIMESTEP_PS, SEED)
     context = context_of(duplex.system, integrator)
     positions, velocities = warm(duplex.system, duplex.positions_nm, temperature_K)
     context.setPositions(positions)
@@ -101,7 +104,7 @@ def simulation_data(
     """Return energies (samples,) in kJ/mol of free atoms as physical_validation takes them."""
     return pv.data.SimulationData(
         units=pv.data.UnitData(BOLTZMANN_KJ_PER_MOL_K, 1, 1, 1, 1, 1, 1, "kJ/mol", time_str="ps"),
-        dt=0.001,
+        dt=TIMESTEP_PS,
         system=pv.data.SystemData(
             natoms=atoms, nconstraints=0, ndof_reduction_tra=0, ndof_reduction_rot=0
         ),

@@ -10,13 +10,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import openmm
 from numpy.typing import NDArray
 from openmm import app, unit
+from pydantic import ValidationError
 
 from dnawaves.errors import InputError
+from dnawaves.files import read_netcdf
 from dnawaves.scene.models import SystemSpec
 from dnawaves.system.effects.masses import add_mass
 from dnawaves.system.forces import build_system
@@ -30,6 +33,9 @@ from dnawaves.system.geometry import (
     sugar_anchors,
 )
 from dnawaves.system.rigid_body import RigidBodies
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[np.float64]
 
@@ -159,3 +165,21 @@ def read_built(spec: SystemSpec, structure: Path) -> SimulatedDuplex:
         np.array(pdb.positions.value_in_unit(unit.nanometer)),
         box_nm=None if box is None else np.array(box.value_in_unit(unit.nanometer)),
     )
+
+
+def read_result(spec: SystemSpec, path: Path, what: str, *needed: str) -> xr.Dataset:
+    """Return the NetCDF file that a step wrote for a system, such as its "minimum".
+
+    Raises `InputError` where it is another system's, another version's or lacks what is needed.
+    """
+    dataset = read_netcdf(path, *needed)
+    found = dataset.attrs.get("spec", "no system")
+    try:
+        same = SystemSpec.model_validate_json(found) == spec
+    except ValidationError:
+        same = False
+    if not same:
+        raise InputError(
+            f"{path}: found the {what} of {found}; allowed: the {what} of {spec.model_dump_json()}"
+        )
+    return dataset

@@ -8,7 +8,6 @@ second half, in which the run checks itself, is the ensemble of the snapshots.
 from __future__ import annotations
 
 import copy
-import hashlib
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,10 +20,11 @@ from numpy.typing import NDArray
 from openmm import unit
 
 from dnawaves.errors import SimulationError
-from dnawaves.files import provenance
+from dnawaves.files import digest, provenance
 from dnawaves.scene.environment import Equilibration
 from dnawaves.system.duplex import SimulatedDuplex
 from dnawaves.system.effects.barostat import STEPS_PER_ATTEMPT, barostat
+from dnawaves.system.effects.constraints import degrees_of_freedom
 from dnawaves.system.effects.thermostat import langevin_middle
 from dnawaves.system.equilibration_record import Record, load_record
 from dnawaves.system.equilibrium_file import equilibrium_dataset
@@ -39,8 +39,10 @@ STEPS_PER_SAMPLE = 25
 # Steps times atoms between two checkpoints, about 20 s on one core at 1 µs each. Not a probe's
 # time: each piece draws its noise anew, so that two runs of the same system must be cut alike.
 ATOM_STEPS = 2e7
+# OpenMM's own tolerance: only to part atoms that lie too near; the dynamics does the rest.
 MINIMISE_TOLERANCE_KJ_PER_MOL_NM, MINIMISE_ITERATIONS = 10.0, 500
-# Kinetic energy, over that of the thermostat, at which a run has exploded.
+# Kinetic energy, over that of the thermostat, at which a run has exploded. Of f degrees of freedom
+# it fluctuates by √(2/f), some percent.
 EXPLODED = 10.0
 
 
@@ -118,12 +120,6 @@ def equilibrate(
         _time_ps(equilibration, 1),
         degrees_of_freedom(built.system),
     )
-
-
-def degrees_of_freedom(system: openmm.System) -> int:
-    """Return the number of degrees of freedom: of all that has mass, less the constraints."""
-    massive = sum(system.getParticleMass(i)._value > 0 for i in range(system.getNumParticles()))
-    return 3 * massive - system.getNumConstraints()
 
 
 def _start(built: SimulatedDuplex, threads: int, report: Report) -> Record:
@@ -268,12 +264,11 @@ def _stopped(equilibration: Equilibration, sample: int, found: str) -> Simulatio
 
 def _run(built: SimulatedDuplex, piece: int, threads: int) -> str:
     """Return what defines a run, by nothing that another machine would round differently."""
-    system = openmm.XmlSerializer.serialize(built.system).encode()
     return json.dumps(
         {
             "spec": built.spec.model_dump_json(),
-            "positions": hashlib.sha256(built.positions_nm.tobytes()).hexdigest(),
-            "system": hashlib.sha256(system).hexdigest(),
+            "positions": digest(built.positions_nm.tobytes()),
+            "system": digest(openmm.XmlSerializer.serialize(built.system)),
             "samples_per_piece": piece,
             "threads": threads,
             **provenance("openmm", "numpy"),

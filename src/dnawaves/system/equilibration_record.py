@@ -78,7 +78,7 @@ def load_record(path: Path, run: str) -> Record | None:
     try:
         with np.load(path) as content:
             found = {name: content[name] for name in content.files}
-    except (OSError, ValueError, zipfile.BadZipFile) as error:
+    except (OSError, EOFError, ValueError, zipfile.BadZipFile) as error:
         print(f"{path}: cannot be read ({error}), so not used", file=sys.stderr, flush=True)
         return None
     if str(found.pop("run")) != run:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import openmm
 from openmm import app, unit
 
-from dnawaves.scene.environment import EXPLICIT, Environment
+from dnawaves.scene.contradictions import EXPLICIT
+from dnawaves.scene.environment import Environment
 from dnawaves.system.effects.constraints import hydrogen_options
 from dnawaves.system.effects.implicit import custom_born, native_obc2
 from dnawaves.system.effects.water import WATER_FILES, build_explicit

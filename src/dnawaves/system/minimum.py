@@ -103,7 +103,8 @@ def minimise(
             f"cycle {cycle + 1}: energy {energy:.4f} kJ/mol, rms force {_rms(force):.2e} "
             f"kJ/mol/nm, shift {shift:.1e} kJ/mol/nm^2, {evaluations} evaluations"
         )
-    if _rms(force) > tolerance:
+    # NaN is no minimum either.
+    if not _rms(force) <= tolerance:
         raise NoMinimumError(
             f"no minimum after {cycles} Hessians: rms force {_rms(force):.3g} kJ/mol/nm, "
             f"wanted {tolerance:.3g}",

@@ -69,6 +69,23 @@ class NormalModes:
         squared = np.where(self.vibrations, np.maximum(self.eigenvalues_per_ps2, 0.0), 0.0)
         return np.sqrt(squared)
 
+    @property
+    def static_eigenvalues_per_ps2(self) -> Array:
+        """Eigenvalues of the vibrations, by which the answers to what is constant are divided.
+
+        Raises
+        ------
+        SimulationError
+            When one is not positive, also within the tolerance: such an answer has no bound.
+        """
+        values = self.eigenvalues_per_ps2[self.vibrations]
+        if not (values > 0).all():
+            raise SimulationError(
+                f"the structure is no minimum: a vibration has the eigenvalue {values.min():.3g} "
+                "ps^-2, allowed is above 0"
+            )
+        return values
+
     def amplitudes(self, momenta: Array) -> Array:
         """Return each mode's share (modes,) of rigid-body momenta (N, 6), or of forces alike.
 
@@ -88,13 +105,25 @@ class NormalModes:
         ------
         InputError
             When the forces push the whole duplex and nothing holds it.
+        SimulationError
+            When a vibration's eigenvalue is not positive.
         """
         amplitudes, moves = self.amplitudes(forces), self.vibrations
         if np.abs(amplitudes[~moves]).max(initial=0.0) > 1e-6 * np.abs(amplitudes).max():
             raise InputError("the forces or torques do not balance, and no end is held")
         coordinates = np.zeros_like(amplitudes)
-        coordinates[moves] = amplitudes[moves] / self.eigenvalues_per_ps2[moves]
+        coordinates[moves] = amplitudes[moves] / self.static_eigenvalues_per_ps2
         return self.motion(coordinates)
+
+    def compliance(self, shapes: Array) -> Array:
+        """Return ⟨x x⟩ / kBT (..., ...) of coordinates x that move as `shapes` (modes, ...) say.
+
+        Rigid motions are left out. Raises `SimulationError` as `static_response` does.
+        """
+        values = self.static_eigenvalues_per_ps2
+        flat = shapes[self.vibrations].reshape(len(values), -1)
+        product = flat.T @ (flat / values[:, None])
+        return product.reshape(*shapes.shape[1:], *shapes.shape[1:])
 
 
 def normal_modes(

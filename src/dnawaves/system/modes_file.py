@@ -8,9 +8,8 @@ import numpy as np
 import xarray as xr
 
 from dnawaves.errors import InputError
-from dnawaves.files import provenance, read_netcdf
-from dnawaves.scene.models import SystemSpec
-from dnawaves.system.duplex import SimulatedDuplex
+from dnawaves.files import provenance
+from dnawaves.system.duplex import SimulatedDuplex, read_result
 from dnawaves.system.modes import EIGENVALUE_TOLERANCE_PER_PS2, NormalModes, participation
 from dnawaves.system.stiffness import STRAINS, axis_compliance, strain_compliance
 from dnawaves.system.structure_factor import (
@@ -125,13 +124,12 @@ def read_modes(path: Path, duplex: SimulatedDuplex, held: tuple[int, int]) -> No
 
     Raises `InputError` where they belong to others.
     """
-    dataset = read_netcdf(path, "eigenvalue", "shape")
+    dataset = read_result(duplex.spec, path, "modes", "eigenvalue", "shape")
     found = (int(dataset.attrs["held_first"]), int(dataset.attrs["held_last"]))
-    if SystemSpec.model_validate_json(dataset.attrs["spec"]) != duplex.spec or found != held:
+    if found != held:
         raise InputError(
-            f"{path}: found the modes of {dataset.attrs['spec']} with {found[0]} and {found[1]} "
-            f"base pairs held; allowed: those of {duplex.spec.model_dump_json()} with {held[0]} "
-            f"and {held[1]}"
+            f"{path}: found the modes with {found[0]} and {found[1]} base pairs held; "
+            f"allowed: those with {held[0]} and {held[1]}"
         )
     return NormalModes(
         duplex.bodies,

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 from openmm import unit
 from scipy.linalg import eigh
 
-from dnawaves.errors import InputError, SimulationError
-from dnawaves.files import provenance, read_netcdf
+from dnawaves.errors import SimulationError
+from dnawaves.files import provenance
 from dnawaves.scene.environment import Relaxation
 from dnawaves.scene.models import SystemSpec
 from dnawaves.system.clash import nearest_atoms
-from dnawaves.system.duplex import SimulatedDuplex, read_built
+from dnawaves.system.duplex import SimulatedDuplex, read_built, read_result
 from dnawaves.system.effects.start import turned
 from dnawaves.system.effects.thermostat import openmm_seed
 from dnawaves.system.guided import first_estimates_A_per_ps
@@ -179,12 +179,7 @@ def read_relaxed(spec: SystemSpec, built: Path, relaxed: Path) -> SimulatedDuple
 
     Raises `InputError` where the minimum belongs to another duplex or environment.
     """
-    dataset = read_netcdf(relaxed, "position_nm")
-    if SystemSpec.model_validate_json(dataset.attrs["spec"]) != spec:
-        raise InputError(
-            f"{relaxed}: found the minimum of {dataset.attrs['spec']}; "
-            f"allowed: that of {spec.model_dump_json()}"
-        )
+    dataset = read_result(spec, relaxed, "minimum", "position_nm")
     return read_built(spec, built).with_positions(dataset["position_nm"].values)
 
 

@@ -8,9 +8,8 @@ from pathlib import Path
 import xarray as xr
 
 from dnawaves.errors import InputError
-from dnawaves.files import read_netcdf
 from dnawaves.scene.models import SystemSpec
-from dnawaves.system.duplex import SimulatedDuplex, read_built
+from dnawaves.system.duplex import SimulatedDuplex, read_built, read_result
 
 
 def read_equilibrated(
@@ -45,12 +44,5 @@ def read_mean(spec: SystemSpec, built: Path, equilibrated: Path) -> SimulatedDup
 
 
 def _dataset_of(spec: SystemSpec, equilibrated: Path) -> xr.Dataset:
-    dataset = read_netcdf(
-        equilibrated, "position_nm", "velocity_nm_per_ps", "reference_position_nm"
-    )
-    if SystemSpec.model_validate_json(dataset.attrs["spec"]) != spec:
-        raise InputError(
-            f"{equilibrated}: found the snapshots of {dataset.attrs['spec']}; "
-            f"allowed: those of {spec.model_dump_json()}"
-        )
-    return dataset
+    needed = ("position_nm", "velocity_nm_per_ps", "reference_position_nm")
+    return read_result(spec, equilibrated, "snapshots", *needed)

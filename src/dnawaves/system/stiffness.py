@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from dnawaves.frames.fit import Frames, fit_frames
+from dnawaves.duplex.on_frames import base_frame, stacked
+from dnawaves.frames.fit import Frames
 from dnawaves.frames.parameters import pair_parameters
-from dnawaves.frames.standard import standard_ring
 from dnawaves.frames.strain import in_own_frames, linear_strains, step_strains, strain_jacobian
 from dnawaves.system.duplex import SimulatedDuplex
+from dnawaves.system.geometry import strands
 from dnawaves.system.modes import NormalModes
 from dnawaves.system.structure_factor import axis_shapes
 from dnawaves.units import A_PER_NM
@@ -23,15 +24,15 @@ def base_pair_frames(duplex: SimulatedDuplex) -> Frames:
     """Return the standard reference frames of the base pairs, origins in Å."""
     first, second = (
         [
-            _base_frame(
+            base_frame(
                 residue.name[-1],
                 {atom.name: A_PER_NM * duplex.positions_nm[atom.index] for atom in residue.atoms()},
             )
             for residue in chain.residues()
         ]
-        for chain in duplex.topology.chains()
+        for chain in strands(duplex.topology)
     )
-    return pair_parameters(_stacked(first), _stacked(second[::-1])).middle
+    return pair_parameters(stacked(first), stacked(second[::-1])).middle
 
 
 def strain_shapes(modes: NormalModes, duplex: SimulatedDuplex) -> Array:
@@ -57,11 +58,7 @@ def strain_compliance(modes: NormalModes, duplex: SimulatedDuplex) -> Array:
     that a harmonic duplex shows at that temperature; the inverse of one step's 6x6 block is that
     step's stiffness with all others free, the sum over all steps the compliance of long waves.
     """
-    moves = modes.vibrations
-    strains = strain_shapes(modes, duplex)[moves]
-    flat = strains.reshape(len(strains), -1)
-    compliance = flat.T @ (flat / modes.eigenvalues_per_ps2[moves, None])
-    return compliance.reshape(*strains.shape[1:], *strains.shape[1:])
+    return modes.compliance(strain_shapes(modes, duplex))
 
 
 def axis_compliance(modes: NormalModes, duplex: SimulatedDuplex) -> Array:
@@ -71,20 +68,4 @@ def axis_compliance(modes: NormalModes, duplex: SimulatedDuplex) -> Array:
     out, so of a free duplex only what does not change with them has a meaning, such as the
     variance of the distance between two pairs along the axis.
     """
-    moves = modes.vibrations
-    shapes = axis_shapes(modes, duplex)[moves] * np.repeat([A_PER_NM, 1.0], 3)
-    flat = shapes.reshape(len(shapes), -1)
-    compliance = flat.T @ (flat / modes.eigenvalues_per_ps2[moves, None])
-    return compliance.reshape(*shapes.shape[1:], *shapes.shape[1:])
-
-
-def _base_frame(letter: str, places_A: dict[str, Array]) -> Frames:
-    ring = standard_ring(letter)
-    return fit_frames(np.array(list(ring.values())), np.array([places_A[name] for name in ring]).T)
-
-
-def _stacked(frames: list[Frames]) -> Frames:
-    return Frames(
-        np.stack([one.origin for one in frames], axis=-1),
-        np.stack([one.axes for one in frames], axis=-1),
-    )
+    return modes.compliance(axis_shapes(modes, duplex) * np.repeat([A_PER_NM, 1.0], 3))

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from dnawaves.system.duplex import SimulatedDuplex
 from dnawaves.system.modes import NormalModes
+from dnawaves.units import GHZ_PER_RAD_PER_PS
 
 Array = NDArray[np.float64]
 
@@ -45,7 +46,7 @@ def velocity_structure_factor(
     width_GHz : standard deviation of the Gaussian that each mode is drawn as
     """
     moves = modes.vibrations
-    centres_GHz = 1e3 / (2 * np.pi) * modes.frequencies_rad_per_ps[moves]
+    centres_GHz = GHZ_PER_RAD_PER_PS * modes.frequencies_rad_per_ps[moves]
     pairs = shapes.shape[1]
     waves = np.exp(-1j * np.outer(phases_rad, np.arange(pairs))) / np.sqrt(pairs)
     # Modes far above the range are far more than those inside, and add nothing.

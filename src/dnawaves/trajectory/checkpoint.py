@@ -8,7 +8,6 @@ appears whole or not at all.
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import shutil
@@ -40,12 +39,6 @@ def frames_between(atoms: int, copies: int, steps_per_frame: int) -> int:
 def checkpoint_folder(output: Path) -> Path:
     """Return the folder of checkpoints that belongs to an output file."""
     return output.with_name(f".{output.stem}.checkpoint")
-
-
-def digest(content: str | bytes) -> str:
-    """Return the SHA-256 of a text or of bytes."""
-    data = content.encode() if isinstance(content, str) else content
-    return hashlib.sha256(data).hexdigest()
 
 
 @dataclass(frozen=True)

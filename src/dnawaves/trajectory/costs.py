@@ -49,6 +49,7 @@ REPEATS = 12
 # Of 12 differences the third lowest and third highest hold the median with 96.1 %.
 LEFT_OUT_AT_EITHER_END = 2
 TIMING_S = 0.15
+# Of effects that scenes may add: what they cost does not depend on these.
 FREQUENCY_GHz = 100.0
 STIFFNESS_PN_PER_NM = 1000.0
 FRICTION_PER_PS = 1.0

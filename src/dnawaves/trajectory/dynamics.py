@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from openmm import unit
 
 from dnawaves.errors import InputError
+from dnawaves.system.effects.constraints import degrees_of_freedom
 from dnawaves.trajectory.noise import restart_shared_noise, seed_at, shares_noise
 from dnawaves.trajectory.verlet import KEPT_VARIABLES
 
@@ -83,7 +84,7 @@ class Dynamics:
             half_ps, self._masses, out=np.zeros_like(self._masses), where=self._masses > 0
         )
         self._rigid = _forceless(system) if system.getNumConstraints() else None
-        self.degrees_of_freedom = 3 * int((self._masses > 0).sum()) - system.getNumConstraints()
+        self.degrees_of_freedom = degrees_of_freedom(system)
 
     def start(self, positions_nm: Array, velocities_nm_per_ps: Array) -> None:
         """Set positions and velocities at t = 0."""

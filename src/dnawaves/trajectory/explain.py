@@ -13,14 +13,14 @@ from dnawaves.files import read_netcdf
 from dnawaves.rod.rod import Rod, short_wave_speeds_A_per_ps
 from dnawaves.scene.excitations import Periodic, Pulse, Static
 from dnawaves.scene.load import load_scenes
-from dnawaves.scene.models import SceneSpec, SystemSpec
-from dnawaves.scene.pairs import span
+from dnawaves.scene.models import SceneSpec
 from dnawaves.system.duplex import SimulatedDuplex
+from dnawaves.system.effects.constraints import degrees_of_freedom
 from dnawaves.system.steps import built_structure
-from dnawaves.trajectory.plan import Plan, make_plan
+from dnawaves.trajectory.plan import Plan, plan_of
 from dnawaves.trajectory.record import base_atoms
 from dnawaves.trajectory.signed_copy import Copy, system_of
-from dnawaves.trajectory.steps import read_start
+from dnawaves.trajectory.steps import first_estimates_in, read_start
 
 PURPOSES = {
     "HarmonicBondForce": "bond lengths",
@@ -93,12 +93,10 @@ def _duplex_and_speeds(
     start = folder / ("equilibrated.nc" if spec.thermal else "relaxed.nc")
     if start.is_file() and (folder / "built.pdb").is_file():
         attributes = read_netcdf(start).attrs
-        if SystemSpec.model_validate_json(attributes["spec"]) == spec:
+        # As text: another version's may hold what this one does not know.
+        if attributes.get("spec") == spec.model_dump_json():
             duplex = read_start(scene, folder / "built.pdb", start, scene.members[0])
-            return duplex, {
-                wave: float(attributes[f"first_estimate_{wave}_A_per_ps"])
-                for wave in ("extension", "twist")
-            }
+            return duplex, first_estimates_in(attributes)
     topology, positions_nm = built_structure(spec)
     box = topology.getUnitCellDimensions()
     built = SimulatedDuplex(
@@ -110,22 +108,17 @@ def _duplex_and_speeds(
 def _plans(
     scene: SceneSpec, duplex: SimulatedDuplex, speeds: dict[str, float] | None
 ) -> list[Plan]:
-    first, last = span(scene.ends, duplex.pair_count)
-    length_A = 10 * float(duplex.heights_nm[last] - duplex.heights_nm[first])
     estimates = speeds or short_wave_speeds_A_per_ps(Rod.paper())
     # Stands in for the fits that a sweep will start from.
     fitted = [estimates[getattr(scene.excitation, "wave", "extension")] for _ in scene.needs]
-    return [
-        make_plan(scene, member, estimates, length_A, 10 * duplex.spacing_nm, fitted)
-        for member in scene.members
-    ]
+    return [plan_of(duplex, scene, member, estimates, fitted) for member in scene.members]
 
 
 def _size(scene: SceneSpec, duplex: SimulatedDuplex) -> str:
     system = system_of(duplex, scene)
     count, constraints = system.getNumParticles(), system.getNumConstraints()
     moving = sum(system.getParticleMass(index)._value > 0 for index in range(count))
-    freedom = 3 * moving - constraints
+    freedom = degrees_of_freedom(system)
     if scene.ends.last == "guided":
         # The guided pair has one coordinate, its slide or turn.
         freedom += 1 - 3 * int(np.sum(duplex.pairs == duplex.pair_count - 1))

@@ -10,7 +10,10 @@ import numpy as np
 from dnawaves.errors import InputError
 from dnawaves.scene.excitations import PULSE_DELAY_WIDTHS, Periodic, Pulse
 from dnawaves.scene.models import SceneSpec
+from dnawaves.scene.pairs import span
+from dnawaves.system.duplex import SimulatedDuplex
 from dnawaves.trajectory.drive import drive_of
+from dnawaves.units import A_PER_NM
 
 # Samples in one period of the fastest wave, twice what resolves it and some to spare.
 SAMPLES_PER_PERIOD = 10
@@ -40,6 +43,20 @@ class Plan:
     def steps(self) -> int:
         """Number of timesteps."""
         return self.steps_per_frame * (self.frames - 1)
+
+
+def plan_of(
+    duplex: SimulatedDuplex,
+    scene: SceneSpec,
+    member: str,
+    estimates_A_per_ps: Mapping[str, float],
+    fitted_speeds_A_per_ps: Sequence[float] = (),
+) -> Plan:
+    """Return the plan of one member of a scene of this duplex, see `make_plan`."""
+    first, last = span(scene.ends, duplex.pair_count)
+    length_A = A_PER_NM * float(duplex.heights_nm[last] - duplex.heights_nm[first])
+    spacing_A = A_PER_NM * duplex.spacing_nm
+    return make_plan(scene, member, estimates_A_per_ps, length_A, spacing_A, fitted_speeds_A_per_ps)
 
 
 def make_plan(

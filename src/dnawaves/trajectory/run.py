@@ -10,11 +10,11 @@ from typing import Any
 
 import openmm
 
-from dnawaves.files import provenance
+from dnawaves.files import digest, provenance
 from dnawaves.scene.excitations import Kick, StandingWave, Static
 from dnawaves.scene.models import SceneSpec
 from dnawaves.system.duplex import SimulatedDuplex
-from dnawaves.trajectory.checkpoint import Checkpoints, digest, frames_between
+from dnawaves.trajectory.checkpoint import Checkpoints, frames_between
 from dnawaves.trajectory.dynamics import Frame, Saved
 from dnawaves.trajectory.guard import Guard
 from dnawaves.trajectory.integrator import integrator_of

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -16,8 +17,9 @@ from dnawaves.files import read_netcdf, write_netcdf
 from dnawaves.scene.excitations import Static
 from dnawaves.scene.load import read_scene
 from dnawaves.scene.models import SceneSpec
-from dnawaves.scene.pairs import held_counts, span
+from dnawaves.scene.pairs import held_counts
 from dnawaves.system.duplex import SimulatedDuplex
+from dnawaves.system.guided import STATIC_WAVES
 from dnawaves.system.modes_file import read_modes
 from dnawaves.system.relax import read_relaxed
 from dnawaves.system.snapshots import read_equilibrated, read_mean
@@ -25,7 +27,7 @@ from dnawaves.trajectory.checkpoint import checkpoint_folder
 from dnawaves.trajectory.dynamics import find_platform
 from dnawaves.trajectory.harmonic import respond
 from dnawaves.trajectory.load import relax_under_load
-from dnawaves.trajectory.plan import make_plan
+from dnawaves.trajectory.plan import plan_of
 from dnawaves.trajectory.record import SIGNS
 from dnawaves.trajectory.run import kick_scale, run_member, snapshot_of
 
@@ -59,16 +61,10 @@ def simulate_step(
     find_platform(platform)
     duplex = read_start(scene, built, start, member)
     attributes = read_netcdf(start).attrs
-    estimates = {
-        wave: float(attributes[f"first_estimate_{wave}_A_per_ps"])
-        for wave in ("extension", "twist")
-    }
     # The same for every snapshot, so that replicas can be averaged frame by frame.
     typical = read_mean(scene.system, built, start) if scene.system.thermal else duplex
-    first, last = span(scene.ends, typical.pair_count)
-    length_A = 10 * float(typical.heights_nm[last] - typical.heights_nm[first])
     speeds = [_fitted_speed(one) for one in fitted]
-    plan = make_plan(scene, member, estimates, length_A, 10 * typical.spacing_nm, speeds)
+    plan = plan_of(typical, scene, member, first_estimates_in(attributes), speeds)
     if scene.method == "harmonic":
         if modes is None:
             raise InputError(f"scene '{scene.name}': method 'harmonic' needs the file of modes")
@@ -117,6 +113,11 @@ def read_start(scene: SceneSpec, built: Path, start: Path, member: str) -> Simul
     velocities, atoms = duplex.velocities_nm_per_ps.copy(), slice(duplex.solute)
     velocities[atoms] *= np.sqrt(duplex.masses_Da[atoms] / loaded.masses_Da[atoms])[:, None]
     return replace(loaded, velocities_nm_per_ps=velocities)
+
+
+def first_estimates_in(attributes: Mapping[str, Any]) -> dict[str, float]:
+    """Return a system's first estimates of its speeds, Å/ps, from its file's attributes."""
+    return {wave: float(attributes[f"first_estimate_{wave}_A_per_ps"]) for wave in STATIC_WAVES}
 
 
 def _fitted_speed(speeds: Path) -> float:

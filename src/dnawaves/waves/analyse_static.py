@@ -19,29 +19,44 @@ LOCK_REASONS = {
     "across_and_tilt": "as a wave too fast for them to tilt as well would find it",
 }
 
+# The guided end moves along the axis or turns about it, not both: a wave does.
+COUPLED = {
+    "extension": "at fixed twist: a wave, coupled to the slower twist, is faster",
+    "twist": "at fixed length: a wave, coupled to the faster extension, is slower",
+}
+
 
 def static_rows(records: Sequence[Record], excitation: Static) -> list[Estimate]:
-    """Return the row of all loads, of those that left the basin, and of a vanishing load."""
+    """Return the row of all loads, of those that left the basin, and of a vanishing load.
+
+    The interval of the first is the range over the loads and their limit, the vanishing load: one
+    load alone has one too.
+    """
     first, wave = records[0], excitation.wave
     paper = first.paper_speeds_A_per_ps[wave]
-    inside = [record for record in records if not record.motion.attrs["left_basin"]]
-    speeds = [
-        _static_speed(
-            record,
-            float(record.motion.attrs["load"]),
-            float(record.fields[f"{wave}_displacement"][0, -1]),
-        )
-        for record in inside
-    ]
     name = first.scene.name
+    response = first.motion["linear_response"]
+    limits = {
+        str(lock): _static_speed(first, 1.0, float(response.sel(lock=lock)))
+        for lock in response["lock"].values
+    }
+    inside = [record for record in records if not record.motion.attrs["left_basin"]]
     estimates = []
-    if speeds:
-        loads = ", ".join(f"{float(record.motion.attrs['load']):g}" for record in inside)
+    if inside:
+        speeds = [
+            _static_speed(
+                record,
+                _load(record),
+                float(record.fields[f"{wave}_displacement"][0, -1]),
+            )
+            for record in inside
+        ]
+        loads = ", ".join(f"{_load(record):g}" for record in inside)
         unit = "pN" if wave == "extension" else "pN nm"
         estimates.append(
             replace(
-                spread(Estimate(name, wave, "static"), speeds, paper),
-                reason=f"spread over loads of ±{loads} {unit}",
+                spread(Estimate(name, wave, "static"), [*speeds, limits["nothing"]], paper),
+                reason=f"spread over loads of ±{loads} {unit} and their limit; {COUPLED[wave]}",
             )
         )
     for record in records:
@@ -53,13 +68,12 @@ def static_rows(records: Sequence[Record], excitation: Static) -> list[Estimate]
                     f"static {record.member}",
                     paper_A_per_ps=paper,
                     reason=f"a load of {record.motion.attrs['left_basin']} times "
-                    f"{record.motion.attrs['load']:g} drove the duplex into another minimum",
+                    f"{_load(record):g} drove the duplex into another minimum",
                 )
             )
-    response = first.motion["linear_response"]
-    for lock in response["lock"].values:
-        speed = _static_speed(first, 1.0, float(response.sel(lock=lock)))
+    for lock, speed in limits.items():
         label = "static, no load" if lock == "nothing" else f"static, held {lock}"
+        coupled = f"; {COUPLED[wave]}" if lock == "nothing" else ""
         estimates.append(
             Estimate(
                 name,
@@ -69,10 +83,14 @@ def static_rows(records: Sequence[Record], excitation: Static) -> list[Estimate]
                 interval="none: exact linear response",
                 paper_A_per_ps=paper,
                 ratio_to_paper=speed / paper,
-                reason=LOCK_REASONS[str(lock)],
+                reason=LOCK_REASONS[lock] + coupled,
             )
         )
     return estimates
+
+
+def _load(record: Record) -> float:
+    return float(record.motion.attrs["load"])
 
 
 def _static_speed(record: Record, load: float, displacement: float) -> float:

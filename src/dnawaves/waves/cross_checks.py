@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +23,7 @@ from dnawaves.waves.estimators.window import FEWEST_FRAMES, windows
 from dnawaves.waves.paper_answer import paper_velocity
 from dnawaves.waves.record import AXIAL_WAVES, Record
 from dnawaves.waves.rows import Fitted, blank, fitted_row
-from dnawaves.waves.table import Estimate, spread
+from dnawaves.waves.table import MODEL_SPREAD, Estimate, spread
 
 Array = NDArray[np.float64]
 # Travel times by base pair, the farthest first, from a velocity field (time, pair); a front's peak
@@ -35,6 +36,11 @@ BEFORE_REFLECTION = 1.5
 # Nothing runs ahead of a front of extension or twist on a uniform chain; that of a kick beside a
 # held end is 0.38 of what the ends turn, add up and send back later.
 LEAST_PEAK_OF_CHAIN = 0.25
+# A front reaches base pairs one after another.
+OUT_OF_ORDER = "rejected: the front is at a farther base pair no later than at a nearer one"
+# Between neighbouring pairs: picks that differ by as much as the paper's speeds are wrong where
+# they are wrong (see `comparison.judge`) follow different features, and cannot judge them.
+NEIGHBOURS_DIFFER = 1.4
 
 
 def cross_check_rows(records: Sequence[Record], excitation: Kick | Pulse) -> list[Estimate]:
@@ -89,12 +95,29 @@ def _timed(
         for other, time in times_of.items()
         if (number, other) != (0, pair)
     ]
+    found = spread(row, speeds, distances[pair] / paper[pair])
+    doubts = (_doubt(estimator, picks, paper) for picks in measured)
     return replace(
-        spread(row, speeds, distances[pair] / paper[pair]),
-        interval="model spread over the farthest pairs, kicks",
+        found,
+        interval=f"{MODEL_SPREAD} over the farthest pairs, kicks" if len(speeds) > 1 else "",
+        model_class=next(filter(None, doubts), ""),
         arrival_ps=measured[0][pair],
         paper_arrival_ps=paper[pair],
     )
+
+
+def _doubt(estimator: str, times_ps: dict[int, float], paper_ps: dict[int, float]) -> str:
+    """Return why the picks at neighbouring pairs, the farthest first, are not one wave's.
+
+    Held against those of the paper's rod, which an end disturbs as well: one wave has one ratio.
+    """
+    if estimator == "arrival" and any(far <= near for far, near in pairwise(times_ps.values())):
+        return OUT_OF_ORDER
+    ratios = [paper_ps[pair] / time for pair, time in times_ps.items() if pair in paper_ps]
+    factor = max(ratios, default=1.0) / min(ratios, default=1.0)
+    if factor > NEIGHBOURS_DIFFER:
+        return f"rejected: speeds to neighbouring base pairs differ by a factor of {factor:.1f}"
+    return ""
 
 
 def _arrivals(record: Record, times_ps: Array, velocity: Array, least: float) -> dict[int, float]:

@@ -43,7 +43,8 @@ def flight_row(arrivals: pd.DataFrame) -> Estimate:
         row.estimator,
         speed_A_per_ps=speed.value,
         low_A_per_ps=speed.low,
-        high_A_per_ps=speed.high,
+        # A limit that the data do not set is blank.
+        high_A_per_ps=speed.high if np.isfinite(speed.high) else None,
         interval="linear regression of time on length, Student's t",
         variations=len(times),
         paper_A_per_ps=expected,

@@ -23,7 +23,7 @@ from dnawaves.scene.models import SceneSpec
 from dnawaves.units import A_PER_NM, KJ_PER_MOL_PER_PN_NM
 from dnawaves.waves.constants.rod_mass import RodMass
 from dnawaves.waves.constants.table import Constant
-from dnawaves.waves.estimators.lattice_fit import LatticeFit, Observation, fit_lattice
+from dnawaves.waves.estimators.lattice_fit import LatticeFit, Observation, Value, fit_lattice
 from dnawaves.waves.estimators.lattices import FRICTION
 from dnawaves.waves.estimators.long_waves import Projection
 from dnawaves.waves.estimators.window import FEWEST_FRAMES, windows
@@ -45,20 +45,6 @@ STRETCH, TWIST, COUPLED = (
     "twist_stretch_coupling_pN_nm",
 )
 BEND, SHEAR = "bend_rigidity_pN_nm2", "shear_stiffness_pN"
-# The fitted value whose profile likelihood tells how well a constant is known, and its power there.
-KNOWN_BY = {
-    STRETCH: ("extension_A_per_ps", 2.0),
-    "stretch_modulus_relaxed_pN": ("extension_A_per_ps", 2.0),
-    "speed_extension_A_per_ps": ("extension_A_per_ps", 1.0),
-    TWIST: ("twist_A_per_ps", 2.0),
-    "twist_rigidity_relaxed_pN_nm2": ("twist_A_per_ps", 2.0),
-    "speed_twist_A_per_ps": ("twist_A_per_ps", 1.0),
-    COUPLED: (COUPLING, 1.0),
-    BEND: ("bend_A_per_ps", 2.0),
-    "speed_bend_A_per_ps": ("bend_A_per_ps", 1.0),
-    SHEAR: ("shear_A_per_ps", 2.0),
-    "speed_shear_A_per_ps": ("shear_A_per_ps", 1.0),
-}
 
 
 @dataclass(frozen=True)
@@ -140,13 +126,14 @@ def _fit(
         ]
     found = constants(first, records[0])
     varied = [constants(one, records[0]) for one in others]
+    known = profiled(first, names, lambda one: constants(one, records[0]))
     misfit = first.model_class.misfit
     return [
         JointConstant(
             ROUTE,
             quantity,
             value,
-            *_interval(quantity, value, first, [one[quantity] for one in varied]),
+            *_range([value, *known[quantity], *(one[quantity] for one in varied)]),
             "model spread over windows, scenes left out, or profile likelihood where wider",
             ", ".join(scenes),
             misfit,
@@ -177,19 +164,37 @@ def _starts(
     return [*starts, together]
 
 
-def _interval(
-    quantity: str, value: float, first: LatticeFit, varied: Sequence[float]
-) -> tuple[float, float]:
-    """Return the range of the variations and of what the profile likelihood allows."""
-    name, power = KNOWN_BY[quantity]
-    fitted = first[name]
-    if quantity == COUPLED:
-        scale = value / fitted.value if fitted.value else 0.0
-        ends = [scale * fitted.low, scale * fitted.high]
-    else:
-        ends = [value * (limit / fitted.value) ** power for limit in (fitted.low, fitted.high)]
-    everything = [value, *ends, *varied]
-    return min(everything), max(everything)
+def profiled(
+    first: LatticeFit, names: Sequence[str], constants: Callable[[LatticeFit], Constants]
+) -> dict[str, tuple[float, float]]:
+    """Return the ends of each constant that the profile likelihoods of the fitted values allow.
+
+    Each value is moved to its two limits; what that does to a constant of several values is added
+    in quadrature. A constant that is not finite at a limit is known on neither side.
+    """
+    found = constants(first)
+    down, up = ({quantity: 0.0 for quantity in found} for _ in range(2))
+    for name in names:
+        with np.errstate(invalid="ignore"):
+            moved = [
+                constants(replace(first, values=first.values | {name: Value(limit, limit, limit)}))
+                for limit in (first[name].low, first[name].high)
+            ]
+        for quantity, value in found.items():
+            changes = np.array([one.get(quantity, np.nan) - value for one in moved])
+            known = np.isfinite(changes).all()
+            down[quantity] = np.hypot(down[quantity], -changes.min(initial=0) if known else np.inf)
+            up[quantity] = np.hypot(up[quantity], changes.max(initial=0) if known else np.inf)
+    # All but the coupling are positive.
+    least = {quantity: -np.inf if quantity == COUPLED else 0.0 for quantity in found}
+    return {
+        quantity: (max(float(value - down[quantity]), least[quantity]), float(value + up[quantity]))
+        for quantity, value in found.items()
+    }
+
+
+def _range(values: Sequence[float]) -> tuple[float, float]:
+    return min(values), max(values)
 
 
 def _axial_constants(fit: LatticeFit, record: Record) -> Constants:

@@ -21,28 +21,17 @@ AXIAL = ("extension", "twist")
 PLANE = ("shear", "bend")
 
 
-def single(wave: str) -> Callable[[Record, int], Observation]:
+def single(
+    wave: str, lattice: type[ScalarLattice] | type[NextNearestLattice] = ScalarLattice
+) -> Callable[[Record, int], Observation]:
     """Return what observes extension or twist alone in the first frames of a record."""
 
     def observe(record: Record, frames: int) -> Observation:
         respond = course(record, record.times_ps[:frames])
-        lattice = ScalarLattice(
+        chain = lattice(
             record.pairs, record.spacing_nm, record.held, respond, pattern(record, wave)
         )
-        return Observation(velocity_nm(record, wave, frames), lattice)
-
-    return observe
-
-
-def next_nearest(wave: str) -> Callable[[Record, int], Observation]:
-    """Return the same with springs to the second neighbour."""
-
-    def observe(record: Record, frames: int) -> Observation:
-        respond = course(record, record.times_ps[:frames])
-        lattice = NextNearestLattice(
-            record.pairs, record.spacing_nm, record.held, respond, pattern(record, wave)
-        )
-        return Observation(velocity_nm(record, wave, frames), lattice)
+        return Observation(velocity_nm(record, wave, frames), chain)
 
     return observe
 

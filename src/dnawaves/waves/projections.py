@@ -35,14 +35,14 @@ def mode_projection(record: Record, wave: str, mode: int = 1) -> Array:
     """
     shapes = mode_shape(record, wave, mode)
     fields = {one: velocity_nm(record, one) for one in shapes}
-    return _amplitude(record, shapes, fields) * unit_A(wave)
+    return amplitude(record, shapes, fields) * unit_A(wave)
 
 
 def mode_source(record: Record, wave: str, mode: int = 1) -> float:
     """Return the amplitude of the scene's source in a standing wave, in the same unit."""
     shapes = mode_shape(record, wave, mode)
     fields = {one: pattern(record, one)[np.newaxis] for one in shapes}
-    return float(_amplitude(record, shapes, fields)[0]) * unit_A(wave)
+    return float(amplitude(record, shapes, fields)[0]) * unit_A(wave)
 
 
 def mode_shape(record: Record, wave: str, mode: int) -> dict[str, Array]:
@@ -65,7 +65,8 @@ def mode_shape(record: Record, wave: str, mode: int) -> dict[str, Array]:
     return shapes
 
 
-def _amplitude(record: Record, shapes: dict[str, Array], fields: dict[str, Array]) -> Array:
+def amplitude(record: Record, shapes: dict[str, Array], fields: dict[str, Array]) -> Array:
+    """Return the amplitude (time,) of a shape in fields (time, pair), nm and rad, by their mass."""
     masses = {one: mean_mass(record, one) for one in shapes}
     overlap = sum(masses[one] * fields[one] @ shape for one, shape in shapes.items())
     norm = sum(masses[one] * float(shape @ shape) for one, shape in shapes.items())

@@ -13,13 +13,21 @@ from dnawaves.motion.fields import wave_fields
 from dnawaves.rod.rod import Rod, short_wave_speeds_A_per_ps
 from dnawaves.rod.standing import Ends
 from dnawaves.scene.models import SceneSpec
-from dnawaves.scene.pairs import fixed_pairs, span
+from dnawaves.scene.pairs import fixed_counts, fixed_pairs, span
 from dnawaves.units import A_PER_NM
 from dnawaves.waves.estimators.window import usable_frames
 
 Array = NDArray[np.float64]
 
 AXIAL_WAVES = ("extension", "twist")
+# By the number of ends at which a wave is reflected.
+BY_FIXED: tuple[Ends, ...] = ("free", "one_held", "held")
+
+
+def chain_ends(scene: SceneSpec) -> Ends:
+    """Return how the chain of base pairs that a wave can reach ends."""
+    fixed = sum(count > 0 for count in fixed_counts(scene.ends))
+    return BY_FIXED[fixed]
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,10 +86,7 @@ class Record:
     @property
     def ends(self) -> Ends:
         """How the chain of base pairs that a wave can reach ends."""
-        first, last = (pair in self.held for pair in self.span)
-        if first and last:
-            return "held"
-        return "one_held" if first or last else "free"
+        return chain_ends(self.scene)
 
     @property
     def free_length_A(self) -> float:

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from dnawaves.rod.rod import Rod, short_wave_speeds_A_per_ps
 from dnawaves.scene.excitations import Kick, StandingWave
 from dnawaves.waves.estimators.intervals import Interval
 from dnawaves.waves.estimators.lattice_fit import Value
@@ -89,9 +88,7 @@ def fitted_row(
     paper's short-wave speed of this wave stands beside it.
     """
     record, speed = records[0], first.speed_A_per_ps
-    paper = paper_A_per_ps
-    if paper is None:
-        paper = short_wave_speeds_A_per_ps(Rod.paper())[wave]
+    paper = record.paper_speeds_A_per_ps[wave] if paper_A_per_ps is None else paper_A_per_ps
     ends = envelope(speed, others_A_per_ps)
     cut = any(one.usable < len(one.times_ps) for one in records)
     return Estimate(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
@@ -71,14 +71,18 @@ TEXT_COLUMNS = (
 
 
 def spread(estimate: Estimate, speeds_A_per_ps: Sequence[float], paper_A_per_ps: float) -> Estimate:
-    """Return the estimate with its first speed, the range of all of them, and the ratio."""
+    """Return the estimate with its first speed, the range of all of them, and the ratio.
+
+    One speed alone has no range: its limits are blank, as what is not known.
+    """
+    several = len(speeds_A_per_ps) > 1
     return Estimate(
         **{
             **asdict(estimate),
             "speed_A_per_ps": speeds_A_per_ps[0],
-            "low_A_per_ps": min(speeds_A_per_ps),
-            "high_A_per_ps": max(speeds_A_per_ps),
-            "interval": MODEL_SPREAD,
+            "low_A_per_ps": min(speeds_A_per_ps) if several else None,
+            "high_A_per_ps": max(speeds_A_per_ps) if several else None,
+            "interval": MODEL_SPREAD if several else "",
             "variations": len(speeds_A_per_ps),
             "paper_A_per_ps": paper_A_per_ps,
             "ratio_to_paper": speeds_A_per_ps[0] / paper_A_per_ps,
@@ -93,10 +97,10 @@ def write_table(path: Path, estimates: Iterable[Estimate]) -> None:
         frame.to_csv(temporary, index=False, float_format=CSV_FORMAT)
 
 
-def read_table(path: Path) -> pd.DataFrame:
-    """Read a table of estimates; text columns are empty strings where nothing was written."""
+def read_table(path: Path, text: Collection[str] = TEXT_COLUMNS) -> pd.DataFrame:
+    """Read a table of estimates; `text` columns are empty strings where nothing was written."""
     # As text first: pandas takes a scene that is called "null" or "NA" for a missing value.
     frame = pd.read_csv(path, dtype=str, keep_default_na=False)
-    numbers = [name for name in COLUMNS if name not in TEXT_COLUMNS]
+    numbers = [str(name) for name in frame if name not in text]
     frame[numbers] = frame[numbers].apply(pd.to_numeric)
     return frame

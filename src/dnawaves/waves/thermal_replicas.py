@@ -106,8 +106,9 @@ def _row(replicas: Sequence[Replica], fit: ReplicaFit, wave: str) -> Estimate:
     empty = blank(record, wave, ESTIMATOR)
     paper = record.paper_speeds_A_per_ps[wave]
     reason = f"p = {fit.p_value:.2g} of what the fit leaves, by the spread between replicas"
+    word = "rejected: leaves more than the replicas' spread" if fit.wrong else "fits"
     if fit.replicas == 1:
-        reason = "one replica: nothing says how far its chaos goes"
+        reason, word = "one replica: nothing says how far its chaos goes", ""
     return replace(
         empty,
         speed_A_per_ps=speed.value,
@@ -118,7 +119,7 @@ def _row(replicas: Sequence[Replica], fit: ReplicaFit, wave: str) -> Estimate:
         paper_A_per_ps=paper,
         ratio_to_paper=speed.value / paper,
         misfit=fit.misfit,
-        model_class="rejected: leaves more than the replicas' spread" if fit.wrong else "fits",
+        model_class=word,
         amplitude=fit.amplitude,
         friction_per_ps=fit.friction_per_ps,
         window_ps=float(record.times_ps[fit.frames - 1]),

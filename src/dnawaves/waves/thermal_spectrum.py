@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,13 +11,15 @@ from numpy.typing import NDArray
 from dnawaves.errors import InputError
 from dnawaves.motion.pair_frames import following_velocities
 from dnawaves.rod.chain import ScalarChain
-from dnawaves.rod.dispersion import bend_shear_branches, lattice_frequency
 from dnawaves.units import A_PER_NM, GHZ_PER_RAD_PER_PS
 from dnawaves.waves.estimators.lattice_fit import Value
+from dnawaves.waves.estimators.long_waves import wavenumbers_rad_per_nm
 from dnawaves.waves.estimators.mode_spectra import ModeSpectrum, SharedSpeed, shared_speed
-from dnawaves.waves.paper_answer import paper_rod
+from dnawaves.waves.projections import amplitude, mode_shape
 from dnawaves.waves.record import AXIAL_WAVES, Record
 from dnawaves.waves.rows import blank
+from dnawaves.waves.scene_source import unit_A
+from dnawaves.waves.standing_speed import standing_wave_of
 from dnawaves.waves.table import Estimate
 
 Array = NDArray[np.float64]
@@ -27,34 +29,30 @@ MODES = 4
 # duplex of 24 base pairs lie there too.
 HIGHEST_RAD_PER_PS = 2 * np.pi
 INTERVAL = "95 %, profile likelihood (Whittle)"
-# The velocity that shows each wave's own branch of long waves best: across, the slow branch moves
-# the pairs sideways, the fast one turns them. Both directions across count, as two runs.
-SEEN_IN = {
-    "extension": ("extension",),
-    "twist": ("twist",),
-    "bend": ("shear", "shear_across"),
-    "shear": ("bend", "bend_across"),
-}
+WAVES = ("extension", "twist", "bend", "shear")
+# The fields of bend and shear in either plane along the axis, which count as two runs. About the
+# first direction a right-handed turn tilts the axis against the second.
+PLANES = (
+    {"shear": ("shear", 1), "bend": ("bend", 1)},
+    {"shear": ("shear_across", 1), "bend": ("bend_across", -1)},
+)
 
 
 def spectrum_rows(records: Sequence[Record]) -> list[Estimate]:
     """Return rows of all four waves: of extension and twist their speed, and of each mode's line.
 
-    Modes are those of the lattice with the scene's ends; replicas count as independent runs.
+    Modes are those of the scene's ends, of bend and shear with the shapes of the paper's rod, which
+    has no other part in it; replicas count as independent runs.
     """
     motions = [following_velocities(record.motion) for record in records]
-    return [
-        row
-        for wave in SEEN_IN
-        for row in _rows(records[0], wave, [one[name] for one in motions for name in SEEN_IN[wave]])
-    ]
+    return [row for wave in WAVES for row in _rows(records[0], wave, motions)]
 
 
-def _rows(record: Record, wave: str, fields: Sequence[Array]) -> list[Estimate]:
-    shapes, wavenumbers = lowest_modes(record.pairs, record.held, record.spacing_nm)
+def _rows(record: Record, wave: str, motions: Sequence[Mapping[str, Array]]) -> list[Estimate]:
     try:
+        wavenumbers, runs = (_axial if wave in AXIAL_WAVES else _plane)(record, wave, motions)
         found = shared_speed(
-            [field @ shapes.T for field in fields],
+            runs,
             float(record.times_ps[1] - record.times_ps[0]),
             wavenumbers,
             record.spacing_nm,
@@ -63,7 +61,30 @@ def _rows(record: Record, wave: str, fields: Sequence[Array]) -> list[Estimate]:
     except InputError as error:
         return [blank(record, wave, "thermal spectrum", str(error))]
     rows = [_mode_row(record, wave, number, mode) for number, mode in enumerate(found.modes, 1)]
-    return [_speed_row(record, wave, found, len(fields)), *rows] if wave in AXIAL_WAVES else rows
+    return [_speed_row(record, wave, found, len(runs)), *rows] if wave in AXIAL_WAVES else rows
+
+
+def _axial(
+    record: Record, wave: str, motions: Sequence[Mapping[str, Array]]
+) -> tuple[Array, list[Array]]:
+    """Return wavenumbers (mode,), rad/nm, and velocities (time, mode) of each run."""
+    shapes, wavenumbers = lowest_modes(record.pairs, record.held, record.spacing_nm)
+    return wavenumbers, [motion[wave] @ shapes.T for motion in motions]
+
+
+def _plane(
+    record: Record, wave: str, motions: Sequence[Mapping[str, Array]]
+) -> tuple[Array, list[Array]]:
+    """Return the same of bend or shear, whose modes between two ends are no sines."""
+    modes = range(1, MODES + 1)
+    shapes = [mode_shape(record, wave, mode) for mode in modes]
+    wavenumbers = [standing_wave_of(record, wave, mode).wavenumber_rad_per_nm for mode in modes]
+    runs = []
+    for motion in motions:
+        for plane in PLANES:
+            fields = {one: sign * motion[name] / unit_A(one) for one, (name, sign) in plane.items()}
+            runs.append(np.stack([amplitude(record, one, fields) for one in shapes], axis=1))
+    return np.array(wavenumbers), runs
 
 
 def lowest_modes(pairs: int, held: Sequence[int], spacing_nm: float) -> tuple[Array, Array]:
@@ -74,10 +95,7 @@ def lowest_modes(pairs: int, held: Sequence[int], spacing_nm: float) -> tuple[Ar
     """
     chain = ScalarChain.from_speed(pairs, 1.0, spacing_nm, held)
     moving = np.flatnonzero(chain.frequencies_rad_per_ps > 0)[:MODES]
-    sines = chain.frequencies_rad_per_ps[moving] / lattice_frequency(
-        np.pi / spacing_nm, 1.0, spacing_nm
-    )
-    return chain.shapes[moving], 2 / spacing_nm * np.arcsin(np.minimum(sines, 1.0))
+    return chain.shapes[moving], wavenumbers_rad_per_nm(chain, spacing_nm)[moving]
 
 
 def _speed_row(record: Record, wave: str, found: SharedSpeed, runs: int) -> Estimate:
@@ -98,26 +116,19 @@ def _speed_row(record: Record, wave: str, found: SharedSpeed, runs: int) -> Esti
 
 def _mode_row(record: Record, wave: str, number: int, mode: ModeSpectrum) -> Estimate:
     """Return the row of one mode: its frequency, and the speed that it stands for."""
-    wavenumber = mode.wavenumber_rad_per_nm
-    paper_speed = record.paper_speeds_A_per_ps[wave]
-    if wave in AXIAL_WAVES:
-        unit = float(lattice_frequency(wavenumber, 1.0, record.spacing_nm))
-        paper_frequency = unit * paper_speed
-    else:
-        unit = wavenumber / A_PER_NM
-        branches = bend_shear_branches(paper_rod(record.spacing_nm), [wavenumber], lattice=True)
-        paper_frequency = float(branches[0, 0 if wave == "bend" else 1])
-        paper_speed = paper_frequency / unit
+    standing = standing_wave_of(record, wave, number)
     frequency = mode.frequency_rad_per_ps
-    speed = Value(*(x / unit for x in (frequency.value, frequency.low, frequency.high)))
+    speed = Value(
+        *(standing.speed_A_per_ps(x) for x in (frequency.value, frequency.low, frequency.high))
+    )
     return replace(
-        _with_speed(blank(record, wave, f"thermal mode {number}"), speed, paper_speed),
+        _with_speed(blank(record, wave, f"thermal mode {number}"), speed, standing.paper_A_per_ps),
         misfit=mode.misfit,
         model_class="fits" if mode.fits else "rejected: no single line upon a low flat background",
         friction_per_ps=mode.friction_per_ps,
         frequency_GHz=frequency.value * GHZ_PER_RAD_PER_PS,
-        paper_frequency_GHz=paper_frequency * GHZ_PER_RAD_PER_PS,
-        wavenumber_rad_per_A=wavenumber / A_PER_NM,
+        paper_frequency_GHz=standing.paper_frequency_rad_per_ps * GHZ_PER_RAD_PER_PS,
+        wavenumber_rad_per_A=standing.wavenumber_rad_per_nm / A_PER_NM,
         window_ps=float(record.times_ps[-1]),
         reason=f"the line holds {mode.wave_share:.0%} of the power below 1 THz",
     )

@@ -12,13 +12,12 @@ from numpy.typing import NDArray
 from dnawaves.waves.estimators.lattice_fit import LatticeFit, Observation, fit_lattice
 from dnawaves.waves.estimators.lattices import FRICTION
 from dnawaves.waves.estimators.long_waves import Projection, long_wave_count, lowest_waves
-from dnawaves.waves.estimators.next_nearest import SHARE
+from dnawaves.waves.estimators.next_nearest import SHARE, NextNearestLattice
 from dnawaves.waves.estimators.window import windows
 from dnawaves.waves.observations import (
     AXIAL,
     PLANE,
     coupled,
-    next_nearest,
     plane,
     single,
 )
@@ -102,7 +101,7 @@ def _single(records: Sequence[Record], wave: str) -> list[Estimate]:
             records, wave, "waveform, all waves", name, "windows, kicks, odd and even pairs"
         ),
     ]
-    wider = study(records, next_nearest(wave), [all_waves(record)], [name])
+    wider = study(records, single(wave, NextNearestLattice), [all_waves(record)], [name])
     row = wider.row(records, wave, "waveform, next-nearest", name, "windows, kicks")
     share = f"second neighbours' share of the stiffness {wider.first[SHARE].value:.2f}"
     return [*rows, replace(row, reason=_joined(row.reason, share))]

@@ -24,6 +24,12 @@ def hydrogen_options(
     return {"constraints": CONSTRAINTS[constraints], "hydrogenMass": mass}
 
 
+def degrees_of_freedom(system: openmm.System) -> int:
+    """Return the number of degrees of freedom: of all that has mass, less the constraints."""
+    massive = sum(system.getParticleMass(i)._value > 0 for i in range(system.getNumParticles()))
+    return 3 * massive - system.getNumConstraints()
+
+
 def refuse_constraints_on_frozen(system: openmm.System, topology: app.Topology) -> None:
     """Raise `InputError`, with the first one's atoms named, where a constraint meets a frozen atom.
 

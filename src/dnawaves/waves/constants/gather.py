@@ -57,13 +57,12 @@ from dnawaves.waves.constants.axis_strains import AxisStrains
 from dnawaves.waves.constants.rod_mass import RodMass, rod_mass, topology_constants
 from dnawaves.waves.constants.rod_stiffness import (
     WAVES_IN_STEPS,
-    inner_pairs,
     kinds_compliance,
-    segment_lengths,
     segments_compliance,
     stiffness_of,
     wave_compliance,
 )
+from dnawaves.waves.constants.segments import inner_pairs, segment_lengths
 from dnawaves.waves.constants.table import PAPER, TOPOLOGY, Constant, write_constants
 from dnawaves.waves.constants.thermal_stiffness import thermal_constants, thermal_strains
 from dnawaves.waves.table import read_table

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dnawaves.units import A_PER_NM, KJ_PER_MOL_PER_PN_NM
-from dnawaves.waves.constants.segments import FEWEST_SEGMENTS, TERMINAL_PAIRS
+from dnawaves.waves.constants.segments import inner_pairs
 
 Array = NDArray[np.float64]
 
@@ -25,19 +25,6 @@ STIFFNESS = (*MATRIX, *RELAXED, *ACROSS)
 WAVES_IN_STEPS = (2, 3, 4, 6, 8, 12, 16, 24, 32, 48)
 # All positive but the coupling.
 SIGNED = ("twist_stretch_coupling_pN_nm",)
-
-
-def inner_pairs(pairs: int) -> range:
-    """Return the base pairs that do not fray, by their indices."""
-    margin = TERMINAL_PAIRS if pairs > 2 * TERMINAL_PAIRS + FEWEST_SEGMENTS else 0
-    return range(margin, pairs - margin)
-
-
-def segment_lengths(pairs: int) -> range:
-    """Return the lengths in steps that have segments enough to average over."""
-    inside = len(inner_pairs(pairs))
-    fewest = FEWEST_SEGMENTS if inside < pairs else 1
-    return range(1, inside - fewest + 1)
 
 
 def segments_compliance(covariance: Array, heights_A: Array, steps: int) -> Array:

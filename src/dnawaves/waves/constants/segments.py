@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from dnawaves.files import read_netcdf, whole_file
 from dnawaves.units import A_PER_NM, KJ_PER_MOL_PER_PN_NM
+from dnawaves.waves.table import CSV_FORMAT
 
 Array = NDArray[np.float64]
 
@@ -31,7 +32,20 @@ def segments_step(modes: Path, output: Path) -> None:
     dataset = read_netcdf(modes, "axis_compliance", "mass", "axial_inertia", "height")
     table = segment_table(dataset)
     with whole_file(output) as temporary:
-        table.to_csv(temporary, index=False, float_format="%.6g")
+        table.to_csv(temporary, index=False, float_format=CSV_FORMAT)
+
+
+def inner_pairs(pairs: int) -> range:
+    """Return the base pairs that do not fray, by their indices."""
+    margin = TERMINAL_PAIRS if pairs > 2 * TERMINAL_PAIRS + FEWEST_SEGMENTS else 0
+    return range(margin, pairs - margin)
+
+
+def segment_lengths(pairs: int) -> range:
+    """Return the lengths in steps that have segments enough to average over."""
+    inside = len(inner_pairs(pairs))
+    fewest = FEWEST_SEGMENTS if inside < pairs else 1
+    return range(1, inside - fewest + 1)
 
 
 def segment_table(modes: xr.Dataset) -> pd.DataFrame:
@@ -44,14 +58,12 @@ def segment_table(modes: xr.Dataset) -> pd.DataFrame:
     coupling says. Of bend the mean compliance about the two axes across counts.
     """
     height = modes["height"].values
-    enough = len(height) > 2 * TERMINAL_PAIRS + FEWEST_SEGMENTS
-    margin, fewest = (TERMINAL_PAIRS, FEWEST_SEGMENTS) if enough else (0, 1)
-    inside = range(margin, len(height) - margin)
+    inside = inner_pairs(len(height))
     spacing_A = (height[-1] - height[0]) / (len(height) - 1)
     mass = modes["mass"].values.mean() / spacing_A
     inertia = modes["axial_inertia"].values.mean() / spacing_A
     rows = []
-    for steps in range(1, len(inside) - fewest + 1):
+    for steps in segment_lengths(len(height)):
         segments = [(pair, pair + steps) for pair in inside if pair + steps in inside]
         compliance = np.mean([_per_length(modes, *pairs) for pairs in segments], axis=0)
         axial, bend = compliance[:2, :2], np.diag(compliance)[2:].mean()

@@ -13,6 +13,7 @@ from dnawaves.errors import InputError
 from dnawaves.files import whole_file
 from dnawaves.rod.rod import AXIAL, BEND_1, BEND_2, EXTENSION, SHEAR_1, SHEAR_2, TWIST, Rod
 from dnawaves.units import A_PER_NM, KJ_PER_MOL_PER_PN_NM
+from dnawaves.waves.table import CSV_FORMAT
 
 TOPOLOGY, PAPER = "topology", "paper"
 # Constants that a rod cannot do without, and where in its stiffness they stand.
@@ -47,7 +48,7 @@ def write_constants(path: Path, constants: Iterable[Constant]) -> None:
     """Write constants as CSV, whole or not at all."""
     frame = pd.DataFrame([asdict(one) for one in constants], columns=list(COLUMNS))
     with whole_file(path) as temporary:
-        frame.to_csv(temporary, index=False, float_format="%.6g")
+        frame.to_csv(temporary, index=False, float_format=CSV_FORMAT)
 
 
 def read_constants(path: Path) -> pd.DataFrame:

@@ -18,14 +18,13 @@ from dnawaves.waves.constants.rod_stiffness import (
     SIGNED,
     STIFFNESS,
     WAVES_IN_STEPS,
-    inner_pairs,
     kinds_compliance,
-    segment_lengths,
     segments_compliance,
     step_kinds,
     stiffness_of,
     wave_compliance,
 )
+from dnawaves.waves.constants.segments import inner_pairs, segment_lengths
 from dnawaves.waves.constants.table import Constant
 from dnawaves.waves.constants.thermal_blocks import Blocks, blocks_of, jackknife
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,31 +37,62 @@ def profile_interval(
     index: int,
     variance: float,
     degrees_of_freedom: float,
-    least: float = -np.inf,
+    root: bool = False,
     level: float = LEVEL,
 ) -> Interval:
     """Return where the sum of squares, minimised over all else, exceeds its minimum by too much.
 
     That is by F(level; 1, degrees of freedom) times `variance`, that of one independent residual.
-    `least` is the smallest value that the coordinate may take.
+    Of a coordinate that is the `root` of a value only the square counts: its sign is dropped.
     """
+    parameters, least = np.array(minimum.parameters), -np.inf
+    if root:
+        parameters[index], least = abs(parameters[index]), 0.0
+    here = float(parameters[index])
     threshold = float(stats.f.ppf(level, 1, max(degrees_of_freedom, 1.0))) * variance
-    slope = float(np.sum(fit.sensitivity(minimum.parameters, index) ** 2))
+    slope = float(np.sum(fit.sensitivity(parameters, index) ** 2))
     if threshold <= 0 or slope <= 0:
-        here = float(minimum.parameters[index])
-        return Interval(here, here) if slope > 0 else Interval(-np.inf, np.inf)
+        return Interval(here, here) if slope > 0 else Interval(least, np.inf)
     reach = np.sqrt(threshold / slope)
 
     def excess(offset: float) -> float:
-        value = float(minimum.parameters[index]) + offset
-        rest = fit.minimise(minimum.parameters, {index: value}, SETTLED)
+        rest = fit.minimise(parameters, {index: here + offset}, SETTLED)
         return rest.sum_of_squares - minimum.sum_of_squares
 
-    low, high = (
-        float(minimum.parameters[index]) + limit_of_rise(excess, sign * reach, threshold)
-        for sign in (-1, 1)
-    )
+    low, high = (here + limit_of_rise(excess, sign * reach, threshold) for sign in (-1, 1))
     return Interval(max(low, least), high)
+
+
+def residual_interval(
+    fit: Separable,
+    minimum: Minimum,
+    index: int,
+    residuals: Sequence[Array],
+    fitted: int,
+    level_known: bool = False,
+    root: bool = False,
+) -> Interval:
+    """Return the profile likelihood's interval in which what a fit leaves stands for the noise.
+
+    `residuals` (series, time) are those of each record, `fitted` is the number of parameters and
+    amplitudes. Residuals whitened by noise of a known level have a variance of 1 or more; that of
+    others is multiplied by the number of them that make up one independent one.
+    """
+    freedom = float(sum(part.size for part in residuals) - fitted)
+    variance, inflation = minimum.sum_of_squares / freedom, 1.0
+    if level_known:
+        variance = max(variance, 1.0)
+    else:
+        sensitivity = split_like(fit.sensitivity(minimum.parameters, index), residuals)
+        inflation = max(map(correlation_inflation, residuals, sensitivity))
+    return profile_interval(fit, minimum, index, variance * inflation, freedom / inflation, root)
+
+
+def split_like(flat: Array, parts: Sequence[Array]) -> list[Array]:
+    """Return a flat array cut into pieces of the shapes of some parts."""
+    ends = np.cumsum([part.size for part in parts])[:-1]
+    pieces = zip(np.split(flat, ends), parts, strict=True)
+    return [piece.reshape(part.shape) for piece, part in pieces]
 
 
 def limit_of_rise(excess: Callable[[float], float], offset: float, threshold: float) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dnawaves.errors import InputError
-from dnawaves.waves.estimators.intervals import correlation_inflation, profile_interval
+from dnawaves.waves.estimators.intervals import residual_interval, split_like
 from dnawaves.waves.estimators.lattices import FRICTION, Lattice
 from dnawaves.waves.estimators.model_class import ModelClass, judge_model_class
 from dnawaves.waves.estimators.noise import Noise, WhiteNoise
@@ -85,11 +85,10 @@ def fit_lattice(
     )
     minimum = fit.best(np.array([_coordinates(names, start) for start in begin]), REFINED_STARTS)
     residual = flat - fit.fitted(minimum.parameters)
-    residuals = _split(residual, data)
+    residuals = split_like(residual, data)
     noises = [one.noise for one in observations]
     count = len(names) + len(observations)
     verdict = judge_model_class(data, residuals, noises, count)
-    variance = minimum.sum_of_squares / (len(flat) - count)
     known = all(noise.level_known for noise in noises)
     found = {}
     for index, name in enumerate(names):
@@ -97,17 +96,7 @@ def fit_lattice(
         if intervals is not None and name not in intervals:
             found[name] = Value(to_value(value), -np.inf, np.inf)
             continue
-        spread = max(variance, 1.0) if known else variance
-        freedom = float(len(flat) - count)
-        if not known:
-            sensitivity = fit.sensitivity(minimum.parameters, index)
-            inflation = max(
-                correlation_inflation(part, other)
-                for part, other in zip(residuals, _split(sensitivity, data), strict=True)
-            )
-            spread, freedom = spread * inflation, freedom / inflation
-        least = 0.0 if name == FRICTION else -np.inf
-        limits = profile_interval(fit, minimum, index, spread, freedom, least)
+        limits = residual_interval(fit, minimum, index, residuals, count, known, name == FRICTION)
         found[name] = Value(to_value(value), to_value(limits.low), to_value(limits.high))
     amplitudes = tuple(float(a) for a in fit.amplitudes(minimum.parameters))
     return LatticeFit(found, amplitudes, verdict)
@@ -146,13 +135,6 @@ def _columns(
         columns[row, offset : offset + size] = one.noise.whiten(velocity).ravel()
         offset += size
     return columns
-
-
-def _split(flat: Array, like: Sequence[Array]) -> list[Array]:
-    ends = np.cumsum([part.size for part in like])[:-1]
-    return [
-        piece.reshape(part.shape) for piece, part in zip(np.split(flat, ends), like, strict=True)
-    ]
 
 
 def _coordinates(names: Sequence[str], values: dict[str, float]) -> Array:

@@ -57,8 +57,7 @@ class Lattice(Protocol):
 class ScalarLattice:
     """Extension or twist alone: speed and friction of a uniform chain.
 
-    `pattern` (pair,) is the source's; `masses` (pair,) are all 1 by default, so that a force is
-    an acceleration.
+    `pattern` (pair,) is the source's; masses are 1, so that a force is an acceleration.
     """
 
     pairs: int
@@ -66,13 +65,12 @@ class ScalarLattice:
     held: Sequence[int]
     respond: Respond
     pattern: Array
-    masses: Array | None = None
     names: tuple[str, ...] = ("speed_A_per_ps", FRICTION)
 
     @cached_property
     def chain(self) -> ScalarChain:
         """The chain of 1 Å/ps."""
-        return ScalarChain.from_speed(self.pairs, 1.0, self.spacing_nm, self.held, self.masses)
+        return ScalarChain.from_speed(self.pairs, 1.0, self.spacing_nm, self.held)
 
     @property
     def moving(self) -> NDArray[np.bool_]:

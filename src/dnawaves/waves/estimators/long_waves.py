@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dnawaves.rod.chain import ScalarChain
+from dnawaves.rod.dispersion import lattice_frequency
 
 Array = NDArray[np.float64]
 
@@ -45,6 +46,13 @@ def standing_waves(pairs: int, held: Sequence[int]) -> Array:
     return ScalarChain.from_speed(pairs, 1.0, 1.0, held).shapes
 
 
+def wavenumbers_rad_per_nm(chain: ScalarChain, spacing_nm: float) -> Array:
+    """Return the wavenumbers (wave,) of the standing waves of a uniform chain of 1 Å/ps."""
+    edge = lattice_frequency(np.pi / spacing_nm, 1.0, spacing_nm)
+    sines = np.minimum(chain.frequencies_rad_per_ps / edge, 1.0)
+    return np.asarray(2 / spacing_nm * np.arcsin(sines))
+
+
 def long_wave_count(pairs: int, held: Sequence[int]) -> int:
     """Return how many standing waves are at least as long as the duplex between its ends.
 
@@ -52,8 +60,7 @@ def long_wave_count(pairs: int, held: Sequence[int]) -> int:
     which the uniform motion is added.
     """
     chain = ScalarChain.from_speed(pairs, 1.0, 1.0, held)
-    # omega = (2 V/a) sin(k a/2) with V = 0.1 nm/ps, a = 1 nm
-    phase = 2 * np.arcsin(np.minimum(chain.frequencies_rad_per_ps * 10 / 2, 1.0))
+    phase = wavenumbers_rad_per_nm(chain, 1.0)
     inside = np.flatnonzero(chain.free)
     first, last = max(inside[0] - 1, 0), min(inside[-1] + 1, pairs - 1)
     return int(np.sum(phase <= 2 * np.pi / (last - first) + ROUND_OFF))

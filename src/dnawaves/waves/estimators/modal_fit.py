@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from dnawaves.errors import InputError
 from dnawaves.rod.chain import ScalarChain
 from dnawaves.rod.modal import impulse_response
-from dnawaves.waves.estimators.intervals import correlation_inflation, profile_interval
+from dnawaves.waves.estimators.intervals import residual_interval
 from dnawaves.waves.estimators.lattice_fit import Value
 from dnawaves.waves.estimators.lattices import FRICTIONS_PER_PS, SPEEDS_A_PER_PS
 from dnawaves.waves.estimators.model_class import ModelClass, judge_model_class
@@ -48,11 +48,7 @@ def fit_modes(
     the directions of the modes of the same chain; without it, it is white and of unknown level.
     The interval is a profile likelihood as of `fit_lattice`.
     """
-    chain = ScalarChain.from_speed(velocity.shape[1], 1.0, spacing_nm, held)
-    moving = np.flatnonzero(chain.frequencies_rad_per_ps > 0)
-    if max(modes) > len(moving):
-        raise InputError(f"mode {max(modes)}: this chain has 1 to {len(moving)}")
-    chosen = [int(moving[mode - 1]) for mode in modes]
+    chain, chosen = chain_modes(velocity.shape[1], spacing_nm, held, modes)
     own: Noise = WhiteNoise() if noise is None else noise.only(chosen)
     unit = chain.frequencies_rad_per_ps[chosen]
     times = times_ps - times_ps[0]
@@ -71,16 +67,20 @@ def fit_modes(
     best = fit.best(np.array(starts), 2)
     residual = (data.ravel() - fit.fitted(best.parameters)).reshape(data.shape)
     count = 2 + 2 * len(chosen)
-    freedom = float(data.size - count)
-    variance, inflation = best.sum_of_squares / freedom, 1.0
-    if own.level_known:
-        variance = max(variance, 1.0)
-    else:
-        sensitivity = fit.sensitivity(best.parameters, 0).reshape(data.shape)
-        inflation = correlation_inflation(residual, sensitivity)
-    limits = profile_interval(fit, best, 0, variance * inflation, freedom / inflation)
+    limits = residual_interval(fit, best, 0, [residual], count, own.level_known)
     return ModalFit(
         Value(*(float(np.exp(x)) for x in (best.parameters[0], limits.low, limits.high))),
         float(best.parameters[1] ** 2),
         judge_model_class([data], [residual], [own], count),
     )
+
+
+def chain_modes(
+    pairs: int, spacing_nm: float, held: Sequence[int], modes: Sequence[int]
+) -> tuple[ScalarChain, list[int]]:
+    """Return the chain of 1 Å/ps, and which of its shapes are some vibrations, counted from 1."""
+    chain = ScalarChain.from_speed(pairs, 1.0, spacing_nm, held)
+    moving = np.flatnonzero(chain.frequencies_rad_per_ps > 0)
+    if max(modes) > len(moving):
+        raise InputError(f"mode {max(modes)}: this chain has 1 to {len(moving)}")
+    return chain, [int(moving[mode - 1]) for mode in modes]

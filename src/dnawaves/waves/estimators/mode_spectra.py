@@ -93,7 +93,7 @@ def shared_speed(
 
     Friction, amplitude and background of each mode are its own; frequencies are those of a lattice
     of one speed (profile likelihood, 95 %), and, in `modes`, each mode's own. Frequencies above
-    `highest` are left out. Raises `InputError` where too few are left.
+    `highest` are left out. Raises `InputError` where too few are left or a mode does not move.
     """
     power, frequency, frames = _mean_power(runs, interval_ps, highest_rad_per_ps)
     unit = lattice_frequency(wavenumbers_rad_per_nm, 1.0, spacing_nm)
@@ -142,7 +142,10 @@ def _mean_power(
             f"records of {frames * interval_ps:.3g} ps are too short for spectra; "
             f"allowed: {needed:.3g} ps and more"
         )
-    return np.mean([power[band] for _, power in spectra], axis=0), frequency[band], frames
+    mean = np.mean([power[band] for _, power in spectra], axis=0)
+    if not mean.any(axis=0).all():
+        raise InputError("a mode does not move: there is no spectrum to fit")
+    return mean, frequency[band], frames
 
 
 class _Mode:

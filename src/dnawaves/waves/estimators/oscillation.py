@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dnawaves.rod.modal import impulse_response
-from dnawaves.waves.estimators.intervals import correlation_inflation, profile_interval
+from dnawaves.waves.estimators.intervals import residual_interval
 from dnawaves.waves.estimators.lattice_fit import Value
 from dnawaves.waves.estimators.separable import Separable
 
@@ -35,7 +35,6 @@ class Oscillation:
 def fit_oscillation(times_ps: Array, velocity: Array, interval: bool = True) -> Oscillation:
     """Fit the velocity (time,) of one oscillator that is at rest until the impulse at t = 0.
 
-    Starts lie everywhere from a quarter of a period in the record to half of the Nyquist frequency.
     The interval is a profile likelihood of 95 % with the residual as noise, as of `fit_lattice`;
     without `interval` its limits are infinite.
     """
@@ -45,17 +44,12 @@ def fit_oscillation(times_ps: Array, velocity: Array, interval: bool = True) -> 
         return np.asarray(impulse_response(times_ps, [frequency], friction)[1].T)
 
     step = float(times_ps[1] - times_ps[0])
-    frequencies = np.geomspace(np.pi / 2 / times_ps[-1], np.pi / 2 / step, STARTS)
-    starts = [[np.log(w), np.sqrt(g)] for w in frequencies for g in FRICTIONS_PER_PS]
     fit = Separable(velocity, columns)
-    best = fit.best(np.array(starts), 3)
+    best = fit.best(oscillator_starts(float(times_ps[-1]), step, FRICTIONS_PER_PS), 3)
     low, high = -np.inf, np.inf
     if interval:
         residual = (velocity - fit.fitted(best.parameters))[np.newaxis]
-        inflation = correlation_inflation(residual, fit.sensitivity(best.parameters, 0)[np.newaxis])
-        freedom = len(velocity) - 3.0
-        variance = best.sum_of_squares / freedom
-        limits = profile_interval(fit, best, 0, variance * inflation, freedom / inflation)
+        limits = residual_interval(fit, best, 0, [residual], 3)
         low, high = limits.low, limits.high
     return Oscillation(
         Value(*(float(np.exp(x)) for x in (best.parameters[0], low, high))),
@@ -63,6 +57,17 @@ def fit_oscillation(times_ps: Array, velocity: Array, interval: bool = True) -> 
         float(fit.amplitudes(best.parameters)[0]),
         float(np.sqrt(best.sum_of_squares / np.sum(velocity**2))),
     )
+
+
+def oscillator_starts(
+    longest_ps: float, interval_ps: float, frictions_per_ps: Sequence[float]
+) -> Array:
+    """Return starts (start, 2) for an oscillator: ln of the frequency, root of the friction.
+
+    Everywhere from a quarter of a period in the record to half of the Nyquist frequency.
+    """
+    frequencies = np.geomspace(np.pi / 2 / longest_ps, np.pi / 2 / interval_ps, STARTS)
+    return np.array([[np.log(w), np.sqrt(g)] for w in frequencies for g in frictions_per_ps])
 
 
 def share_of_start(fields: Sequence[tuple[float, Array]]) -> Array:

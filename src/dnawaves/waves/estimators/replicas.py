@@ -64,10 +64,18 @@ class Replicas:
     def mean(self, weights: Array | None = None) -> Array:
         """Return the average (time, *field), each replica as often as `weights` says."""
         share = self.count * (np.ones(len(self.answers)) if weights is None else weights)[:, None]
-        total = share.sum(axis=0)
-        # Where a draw has left no replica the frame says nothing.
-        share = share / np.where(total > 0, total, 1.0)
-        return np.asarray(np.einsum("rt,rt...->t...", share, self.answers))
+        return np.asarray(np.einsum("rt,rt...->t...", share / share.sum(axis=0), self.answers))
+
+    def drawn(self, rng: np.random.Generator) -> Array:
+        """Return how often each replica is in a draw with replacement that leaves no frame empty.
+
+        A frame without any would be taken for one in which nothing moves.
+        """
+        number = len(self.answers)
+        while True:
+            times = np.bincount(rng.integers(number, size=number), minlength=number).astype(float)
+            if np.all(times @ self.count > 0):
+                return times
 
     def deviations(self, noise: Noise, moving: NDArray[np.bool_]) -> Array:
         """Return what each whitened replica adds to the mean's error, (replica, direction, time).
@@ -172,7 +180,7 @@ def fit_replicas(
     if count >= FEWEST_REPLICAS:
         drawn = []
         for _ in range(draws):
-            fields = [replicas.mean(_drawn(len(replicas.answers), rng)) for replicas, _ in scenes]
+            fields = [replicas.mean(replicas.drawn(rng)) for replicas, _ in scenes]
             drawn.append(np.log(fit(fields, [values])[name].value))
         # A bootstrap's spread is that of a variance over n, in place of n - 1.
         error = float(np.std(drawn)) * np.sqrt(count / (count - 1))
@@ -194,11 +202,6 @@ def fit_replicas(
         min(replicas.frames for replicas, _ in scenes),
         interval,
     )
-
-
-def _drawn(count: int, rng: np.random.Generator) -> Array:
-    """Return how often each replica is in a draw with replacement."""
-    return np.bincount(rng.integers(count, size=count), minlength=count).astype(float)
 
 
 def _p_spread(deviations: Sequence[Array], residual: float, rng: np.random.Generator) -> float:

@@ -10,16 +10,16 @@ from numpy.typing import NDArray
 
 from dnawaves.errors import InputError
 from dnawaves.rod.oscillator import sine_drive_response
-from dnawaves.waves.estimators.intervals import Interval, correlation_inflation, profile_interval
+from dnawaves.waves.estimators.intervals import Interval, residual_interval, split_like
 from dnawaves.waves.estimators.lattice_fit import Value
 from dnawaves.waves.estimators.model_class import ModelClass, judge_model_class
 from dnawaves.waves.estimators.noise import Noise, WhiteNoise
+from dnawaves.waves.estimators.oscillation import oscillator_starts
 from dnawaves.waves.estimators.separable import Separable
 
 Array = NDArray[np.float64]
 
 WIDTHS_PER_PS = (0.02, 0.2, 1.0)
-STARTS = 60
 
 
 @dataclass(frozen=True)
@@ -72,40 +72,14 @@ def fit_resonance(
     fit = Separable(flat, columns)
     longest = max(float(times[-1]) for times in times_ps)
     interval = float(times_ps[0][1] - times_ps[0][0])
-    frequencies = np.geomspace(np.pi / 2 / longest, np.pi / 2 / interval, STARTS)
-    starts = np.array([[np.log(w), np.sqrt(g)] for w in frequencies for g in WIDTHS_PER_PS])
-    best = fit.best(starts, 3)
-    ends = np.cumsum([part.size for part in data])[:-1]
-    residuals = [
-        piece.reshape(part.shape)
-        for piece, part in zip(
-            np.split(flat - fit.fitted(best.parameters), ends), data, strict=True
-        )
-    ]
-    variance = best.sum_of_squares / (len(flat) - 4)
-    spread = max(variance, 1.0) if own.level_known else variance
-    limits = []
-    for index in range(2):
-        if not intervals:
-            limits.append(Interval(0.0 if index == 1 else -np.inf, np.inf))
-            continue
-        inflation = 1.0
-        if not own.level_known:
-            pieces = np.split(fit.sensitivity(best.parameters, index), ends)
-            inflation = max(
-                correlation_inflation(residual, piece.reshape(residual.shape))
-                for residual, piece in zip(residuals, pieces, strict=True)
-            )
-        limits.append(
-            profile_interval(
-                fit,
-                best,
-                index,
-                spread * inflation,
-                (len(flat) - 4) / inflation,
-                least=0.0 if index == 1 else -np.inf,
-            )
-        )
+    best = fit.best(oscillator_starts(longest, interval, WIDTHS_PER_PS), 3)
+    residuals = split_like(flat - fit.fitted(best.parameters), data)
+    limits = [Interval(-np.inf, np.inf), Interval(0.0, np.inf)]
+    if intervals:
+        limits = [
+            residual_interval(fit, best, index, residuals, 4, own.level_known, root=index == 1)
+            for index in range(2)
+        ]
     in_phase, ahead = fit.amplitudes(best.parameters)
     return Resonance(
         Value(*(float(np.exp(x)) for x in (best.parameters[0], limits[0].low, limits[0].high))),

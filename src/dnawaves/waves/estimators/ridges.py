@@ -13,18 +13,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dnawaves.errors import InputError
-from dnawaves.rod.chain import ScalarChain
 from dnawaves.rod.modal import impulse_response
 from dnawaves.waves.estimators.intervals import correlation_inflation
+from dnawaves.waves.estimators.long_waves import wavenumbers_rad_per_nm
+from dnawaves.waves.estimators.modal_fit import chain_modes
 from dnawaves.waves.estimators.model_class import judge_model_class
 from dnawaves.waves.estimators.noise import ColouredNoise, Noise, WhiteNoise
+from dnawaves.waves.estimators.oscillation import oscillator_starts
 from dnawaves.waves.estimators.separable import Separable
 
 Array = NDArray[np.float64]
 
 FRICTIONS_PER_PS = (0.05, 0.5)
-STARTS = 60
 
 
 @dataclass(frozen=True)
@@ -58,19 +58,14 @@ def ridges(
     The record begins when the source is over; all pairs are there, held ones too. `noise` has the
     directions of the modes of the same chain; without it the noise is white and of unknown level.
     """
-    chain = ScalarChain.from_speed(velocity.shape[1], 1.0, spacing_nm, held)
-    moving = np.flatnonzero(chain.frequencies_rad_per_ps > 0)
-    if max(modes) > len(moving):
-        raise InputError(f"mode {max(modes)}: this chain has 1 to {len(moving)}")
+    chain, chosen = chain_modes(velocity.shape[1], spacing_nm, held, modes)
+    wavenumbers = wavenumbers_rad_per_nm(chain, spacing_nm)
     found = []
-    for mode in modes:
-        index = int(moving[mode - 1])
+    for mode, index in zip(modes, chosen, strict=True):
         projection = velocity @ chain.shapes[index]
         own: Noise = WhiteNoise() if noise is None else noise.only([index])
-        # omega = (2/a) sin(ka/2) for the chain of 1 Å/ps, 0.1 nm/ps
-        sine = chain.frequencies_rad_per_ps[index] * spacing_nm / 2 * 10
-        wavenumber = 2 / spacing_nm * float(np.arcsin(min(sine, 1.0)))
-        found.append(_ridge(mode, wavenumber, times_ps - times_ps[0], projection, own))
+        k = float(wavenumbers[index])
+        found.append(_ridge(mode, k, times_ps - times_ps[0], projection, own))
     return found
 
 
@@ -84,10 +79,8 @@ def _ridge(mode: int, wavenumber: float, times: Array, projection: Array, noise:
         return np.array([noise.whiten(part).ravel() for part in parts])
 
     interval = float(times[1] - times[0])
-    frequencies = np.geomspace(np.pi / 2 / times[-1], np.pi / 2 / interval, STARTS)
-    starts = np.array([[np.log(w), np.sqrt(g)] for w in frequencies for g in FRICTIONS_PER_PS])
     fit = Separable(data.ravel(), columns)
-    best = fit.best(starts, 3)
+    best = fit.best(oscillator_starts(float(times[-1]), interval, FRICTIONS_PER_PS), 3)
     residual = (data.ravel() - fit.fitted(best.parameters)).reshape(data.shape)
     variance = best.sum_of_squares / (data.size - 4)
     spread = []
