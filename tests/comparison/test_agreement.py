@@ -44,7 +44,7 @@ def test_agreement_names_what_differs_and_why(tmp_path: Path, scene: MakeScene) 
             8.19,
         ),
         spread(estimate("k", "waveform", misfit=0.4), [15.9, 15.0, 16.4], 8.19),
-        spread(estimate("p", "waveform", misfit=0.6, reason="poor fit"), [16.5], 8.19),
+        spread(estimate("p", "waveform", misfit=0.6), [16.5], 8.19),
         spread(estimate("l", "static"), [13.7, 13.6, 13.9], 8.19),
         spread(estimate("l", "static, held across"), [17.7], 8.19),
         # Its own bias is that of the paper's rod, which is 10 % too fast by the same pick.

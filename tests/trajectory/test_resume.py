@@ -24,7 +24,7 @@ from dnawaves.errors import SimulationError
 from dnawaves.files import read_netcdf, write_netcdf
 from dnawaves.scene.models import SceneSpec
 from dnawaves.system.duplex import SimulatedDuplex
-from dnawaves.trajectory.checkpoint import Checkpoints, checkpoint_folder, frames_between
+from dnawaves.trajectory.checkpoint import Checkpoints, checkpoint_folder
 from dnawaves.trajectory.dynamics import Dynamics, Saved
 from dnawaves.trajectory.plan import Plan
 from dnawaves.trajectory.run import run_member
@@ -269,10 +269,3 @@ def test_what_a_kill_leaves_unfinished_is_not_used(tmp_path: Path) -> None:
     shutil.rmtree(tmp_path / "000000004")
     with pytest.raises(SimulationError, match=r"found 5 frames, expected 7; remove the folder"):
         store.latest()
-
-
-def test_checkpoints_lie_some_twenty_seconds_apart() -> None:
-    # 24 base pairs, both signs, frames of 30 steps: 2e7/(1521*2*30).
-    assert frames_between(1521, 2, 30) == 219
-    # However large the system, not more often than every frame.
-    assert frames_between(10**6, 2, 1000) == 1

@@ -103,9 +103,9 @@ def test_a_failed_run_leaves_an_earlier_one_as_it_was(simulate: Simulate) -> Non
 
 # The command line with checkpoints of a small run as often as those of a large one.
 COMMAND = """
-import dnawaves.trajectory.checkpoint as checkpoint
+import dnawaves.system.saving as saving
 from dnawaves.cli import main
-checkpoint.ATOM_STEPS = 1e5
+saving.ATOM_STEPS = 1e5
 main()
 """
 # The same, killed by itself once its first checkpoint is there: no clock decides how far it gets.

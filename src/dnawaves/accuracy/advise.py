@@ -12,7 +12,7 @@ from dnawaves.accuracy.match import family, row_of, unstudied
 from dnawaves.accuracy.table import read_csv
 from dnawaves.errors import InputError
 from dnawaves.scene.excitations import Kick, StandingWave
-from dnawaves.scene.load import load_scenes
+from dnawaves.scene.load import load_scene
 from dnawaves.scene.models import SceneSpec
 from dnawaves.trajectory.explain import expected_cost
 
@@ -43,10 +43,7 @@ def advise(config: Path, name: str, results: Path, study: Path, wanted: Wanted) 
     """
     if (wanted.error is None) == (wanted.minutes is None):
         raise InputError("give either --error or --time, not both and not neither")
-    scenes = load_scenes(config)
-    if name not in scenes:
-        raise InputError(f"{config}: scene: found {name!r}; allowed: {', '.join(sorted(scenes))}")
-    scene, settings = scenes[name], read_csv(study)
+    scene, settings = load_scene(config, name), read_csv(study)
     if reason := unstudied(scene):
         raise InputError(f"scene '{name}': found no setting to choose: {reason}")
     rows = family(settings, scene)

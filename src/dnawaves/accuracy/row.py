@@ -16,7 +16,7 @@ from dnawaves.accuracy.replicas import averages
 from dnawaves.accuracy.settings import Setting
 from dnawaves.accuracy.start import Start
 from dnawaves.errors import SimulationError
-from dnawaves.motion.structure import TERMINAL_STEPS
+from dnawaves.motion.interior import interior
 
 # Turns that a run and the default's take: seven ratios have quartiles.
 LAPS = 8
@@ -124,7 +124,7 @@ def _described(setting: Setting) -> Row:
 def _structure(start: Start) -> Row:
     """Return the means of rise, roll and twist over the interior steps of the minimum."""
     values = Observer(start.duplex, "extension").helical(start.duplex.positions_nm[None])[:, 0]
-    inside = values[:, TERMINAL_STEPS : start.duplex.pair_count - 1 - TERMINAL_STEPS].mean(axis=1)
+    inside = values[:, interior(start.duplex.pair_count - 1)].mean(axis=1)
     means = dict(zip(HELICAL, inside, strict=True))
     return {
         "rise_A": float(means["rise"]),

@@ -89,9 +89,8 @@ def _require(what: str, names: Iterable[str], known: Mapping[str, object]) -> No
 
 def doubt(row: pd.Series) -> str:
     """Return why an estimate decides nothing; empty where it may."""
-    if str(row.get("model_class", "")).startswith("rejected"):
-        return f"model {row['model_class']}"
-    return "poor fit" if "poor fit" in row["reason"] else ""
+    model_class = str(row.get("model_class", ""))
+    return f"model {model_class}" if model_class.startswith("rejected") else ""
 
 
 def sound(rows: pd.DataFrame) -> pd.DataFrame:

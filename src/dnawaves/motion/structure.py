@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from dnawaves.duplex.build import watson_crick_bonds, write_pdb
 from dnawaves.files import provenance, whole_file, write_netcdf
 from dnawaves.helical.analysis import HelicalParameters
+from dnawaves.motion.interior import interior
 from dnawaves.scene.load import read_system
 from dnawaves.system.duplex import SimulatedDuplex
 from dnawaves.system.relax import read_relaxed
@@ -26,8 +27,6 @@ from dnawaves.trajectory.record import base_atoms
 # What still counts as B-DNA: bounds on the mean over the interior steps.
 RISE_RANGE_A = (3.0, 3.6)
 TWIST_RANGE_DEG = (30.0, 40.0)
-# Terminal steps fray; two off each end are left out of the mean.
-TERMINAL_STEPS = 2
 FEWEST_BONDS = 2
 # A step beyond these has lost its stacking: the duplex is kinked there, whatever the mean says.
 KINK_RISE_RANGE_A = (2.4, 4.6)
@@ -72,9 +71,7 @@ def inspect_structure(duplex: SimulatedDuplex, built: Path, relaxed: Path) -> xr
         if count < FEWEST_BONDS
     ]
     kinked = kinked_steps(dataset)
-    steps = dataset.sizes["step"]
-    margin = TERMINAL_STEPS if steps > 2 * TERMINAL_STEPS else 0
-    inside = slice(margin, steps - margin)
+    inside = interior(dataset.sizes["step"])
     means = {
         name: float(dataset[name].isel(step=inside).mean()) for name in ("rise", "twist", "roll")
     }

@@ -9,7 +9,8 @@ import numpy as np
 import plotly.graph_objects as go
 import xarray as xr
 
-from dnawaves.motion.structure import RISE_RANGE_A, TERMINAL_STEPS, TWIST_RANGE_DEG
+from dnawaves.motion.interior import interior
+from dnawaves.motion.structure import RISE_RANGE_A, TWIST_RANGE_DEG
 from dnawaves.report.gather import SystemResults
 from dnawaves.report.numbers import BLANK, digits
 from dnawaves.report.style import (
@@ -47,7 +48,7 @@ def step_profile(structure: xr.Dataset, name: str) -> go.Figure:
         text=structure["step_sequence"].values,
         hovertemplate="step %{x}, %{text}: %{y:.2f}<extra></extra>",
     )
-    inside = _interior(len(values))
+    inside = interior(len(values))
     mean = float(np.nanmean(values[inside]))
     figure.add_scatter(
         x=steps[inside][[0, -1]], y=[mean, mean], mode="lines", line=MEASURED_LINE, hoverinfo="skip"
@@ -76,14 +77,9 @@ def structure_table(systems: Sequence[SystemResults]) -> Table:
     )
 
 
-def _interior(steps: int) -> slice:
-    margin = TERMINAL_STEPS if steps > 2 * TERMINAL_STEPS else 0
-    return slice(margin, steps - margin)
-
-
 def _range(structure: xr.Dataset, name: str) -> str:
     """Return the smallest and the largest step: a kink hides in a mean."""
-    values = structure[name].values[_interior(structure.sizes["step"])]
+    values = structure[name].values[interior(structure.sizes["step"])]
     return f"{digits(np.nanmin(values))} to {digits(np.nanmax(values))}"
 
 

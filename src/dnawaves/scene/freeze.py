@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 
 from dnawaves.errors import InputError
 from dnawaves.files import write_json
-from dnawaves.scene.load import load_scenes
-from dnawaves.scene.model import Model
+from dnawaves.scene.load import load_scene, load_scenes, named
 
 
 def freeze(config: Path, scene: str | None, system: str | None, output: Path) -> None:
@@ -29,16 +27,10 @@ def freeze(config: Path, scene: str | None, system: str | None, output: Path) ->
 
 def freeze_scene(config: Path, name: str, output: Path) -> None:
     """Write the `SceneSpec` of one scene as JSON."""
-    _write(output, config, "scene", name, load_scenes(config))
+    write_json(output, load_scene(config, name).model_dump(mode="json"))
 
 
 def freeze_system(config: Path, name: str, output: Path) -> None:
     """Write the `SystemSpec` of one system, named `<duplex>-<environment>`, as JSON."""
     systems = {scene.system.name: scene.system for scene in load_scenes(config).values()}
-    _write(output, config, "system", name, systems)
-
-
-def _write(output: Path, config: Path, kind: str, name: str, known: Mapping[str, Model]) -> None:
-    if name not in known:
-        raise InputError(f"{config}: {kind}: found {name!r}; allowed: {', '.join(sorted(known))}")
-    write_json(output, known[name].model_dump(mode="json"))
+    write_json(output, named(config, "system", name, systems).model_dump(mode="json"))

@@ -49,6 +49,18 @@ def load_scenes(path: Path) -> dict[str, SceneSpec]:
     }
 
 
+def load_scene(path: Path, name: str) -> SceneSpec:
+    """Return one scene of a configuration file; raises `InputError` where there is none."""
+    return named(path, "scene", name, load_scenes(path))
+
+
+def named(path: Path, kind: str, name: str, known: Mapping[str, Spec]) -> Spec:
+    """Return the scene or system of that name; raises `InputError` with all names there are."""
+    if name not in known:
+        raise InputError(f"{path}: {kind}: found {name!r}; allowed: {', '.join(sorted(known))}")
+    return known[name]
+
+
 def read_scene(path: Path) -> SceneSpec:
     """Read a resolved scene as `dnawaves freeze` wrote it."""
     return _read_spec(SceneSpec, path)

@@ -29,6 +29,7 @@ from dnawaves.system.effects.thermostat import langevin_middle
 from dnawaves.system.equilibration_record import Record, load_record
 from dnawaves.system.equilibrium_file import equilibrium_dataset
 from dnawaves.system.geometry import sugar_anchors
+from dnawaves.system.saving import steps_between_checkpoints
 from dnawaves.units import BOLTZMANN_KJ_PER_MOL_K
 
 Array = NDArray[np.float64]
@@ -36,9 +37,6 @@ Report = Callable[[str], None]
 
 # A sample costs an evaluation of the energy, a 25th of the steps between two.
 STEPS_PER_SAMPLE = 25
-# Steps times atoms between two checkpoints, about 20 s on one core at 1 µs each. Not a probe's
-# time: each piece draws its noise anew, so that two runs of the same system must be cut alike.
-ATOM_STEPS = 2e7
 # OpenMM's own tolerance: only to part atoms that lie too near; the dynamics does the rest.
 MINIMISE_TOLERANCE_KJ_PER_MOL_NM, MINIMISE_ITERATIONS = 10.0, 500
 # Kinetic energy, over that of the thermostat, at which a run has exploded. Of f degrees of freedom
@@ -84,7 +82,7 @@ def equilibrate(
 ) -> xr.Dataset:
     """Return the snapshots, the mean structure and what the run says about itself.
 
-    The run is cut into pieces of `samples_per_piece` samples, left out: by the number of atoms.
+    The run is cut into pieces of `samples_per_piece` samples, left out: by the size of the system.
     With a file `checkpoint` a killed run goes on from the last piece and, on one thread, ends as it
     would have ended, to the last digit; the caller removes the file once the result is on disk.
 
@@ -95,8 +93,8 @@ def equilibrate(
     """
     equilibration = built.spec.environment.to_snapshots
     course = course_of(equilibration)
-    atoms = built.topology.getNumAtoms()
-    piece = samples_per_piece or max(1, round(ATOM_STEPS / (atoms * STEPS_PER_SAMPLE)))
+    steps = steps_between_checkpoints(built.spec.environment, built.topology.getNumAtoms())
+    piece = samples_per_piece or max(1, round(steps / STEPS_PER_SAMPLE))
     run = _run(built, piece, threads)
     record = load_record(checkpoint, run) if checkpoint else None
     if record is None:

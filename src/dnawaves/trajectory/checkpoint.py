@@ -26,14 +26,6 @@ from dnawaves.files import read_json, write_json
 from dnawaves.trajectory.dynamics import Saved
 
 Frames = dict[str, NDArray[Any]]
-# Steps times atoms between two checkpoints: about 20 s on one core at 1 µs each, in water a minute
-# or two. Not a probe's time: then two runs of the same scene would differ in the last digits.
-ATOM_STEPS = 2e7
-
-
-def frames_between(atoms: int, copies: int, steps_per_frame: int) -> int:
-    """Return how many frames lie between checkpoints, from the size of the run alone."""
-    return max(1, round(ATOM_STEPS / (atoms * copies * steps_per_frame)))
 
 
 def checkpoint_folder(output: Path) -> Path:

@@ -8,11 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from dnawaves.errors import InputError
 from dnawaves.files import read_netcdf
 from dnawaves.rod.rod import Rod, short_wave_speeds_A_per_ps
 from dnawaves.scene.excitations import Periodic, Pulse, Static
-from dnawaves.scene.load import load_scenes
+from dnawaves.scene.load import load_scene
 from dnawaves.scene.models import SceneSpec
 from dnawaves.system.duplex import SimulatedDuplex
 from dnawaves.system.effects.constraints import degrees_of_freedom
@@ -52,10 +51,7 @@ def explain(config: Path, name: str, results: Path) -> str:
     InputError
         When the configuration is refused or has no scene of that name.
     """
-    scenes = load_scenes(config)
-    if name not in scenes:
-        raise InputError(f"{config}: scene: found {name!r}; allowed: {', '.join(sorted(scenes))}")
-    scene = scenes[name]
+    scene = load_scene(config, name)
     duplex, speeds = _duplex_and_speeds(scene, results)
     plans = _plans(scene, duplex, speeds)
     lines = [
