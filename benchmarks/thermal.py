@@ -85,12 +85,9 @@ def replicas(rng: np.random.Generator, count: int = 4, snr: float = 5.0) -> list
 
 def covariance(rng: np.random.Generator, samples: int = 200, memory: float = 0.8) -> list[Outcome]:
     """12 base pairs of a twisted, coupled rod; successive frames remember each other (g = 4.6)."""
-    stiffness = np.diag([500.0, 700.0, 1300.0, 100.0, 200.0, 150.0])
-    stiffness[EXTENSION, TWIST] = stiffness[TWIST, EXTENSION] = -90.0
-    turn = np.array([0.0, 0.0, 1.8])
-    rod = Rod(1900.0, np.diag([250.0, 250.0, 500.0]), stiffness, 0.34, omega0_rad_per_nm=turn)
+    rod = twisted_rod()
     straight = rod.averaged_about_axis().stiffness / KJ_PER_MOL_PER_PN_NM
-    frames = _frames(rod, 12, 5 * samples, memory, rng)
+    frames = thermal_frames(rod, 12, 5 * samples, COLD_K, rng, memory)
     found = thermal_constants(
         thermal_strains([frames], COLD_K), RodMass(190.0, 5000.0, 2500.0), "thermal"
     )
@@ -109,10 +106,29 @@ def covariance(rng: np.random.Generator, samples: int = 200, memory: float = 0.8
     return outcomes
 
 
-def _frames(rod: Rod, pairs: int, samples: int, memory: float, rng: np.random.Generator) -> Frames:
-    """Return frames in time of a lattice, each strain an autoregressive process."""
+def twisted_rod() -> Rod:
+    """Return a rod like DNA: twisted, anisotropic, extension and twist coupled."""
+    stiffness = np.diag([500.0, 700.0, 1300.0, 100.0, 200.0, 150.0])
+    stiffness[EXTENSION, TWIST] = stiffness[TWIST, EXTENSION] = -90.0
+    turn = np.array([0.0, 0.0, 1.8])
+    return Rod(1900.0, np.diag([250.0, 250.0, 500.0]), stiffness, 0.34, omega0_rad_per_nm=turn)
+
+
+def thermal_frames(
+    rod: Rod,
+    pairs: int,
+    samples: int,
+    temperature_K: float,
+    rng: np.random.Generator,
+    memory: float = 0.0,
+) -> Frames:
+    """Return frames (pairs, samples) of a rod's lattice in equilibrium.
+
+    Each step is E exp(a strain) E with the half-step E at rest, its strain drawn from
+    exp(-a strain.K.strain/2kT); successive samples are correlated by `memory`.
+    """
     a = rod.spacing_nm
-    energy = BOLTZMANN_KJ_PER_MOL_K * COLD_K
+    energy = BOLTZMANN_KJ_PER_MOL_K * temperature_K
     root = np.linalg.cholesky(energy / a * np.linalg.inv(rod.stiffness))
     noise = rng.standard_normal((samples, pairs - 1, 6))
     for frame in range(1, samples):

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import importlib
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import numpy as np
 import pytest
-import scipy.linalg
 import scipy.sparse
 import xarray as xr
 from numpy.typing import NDArray
 
-from dnawaves.frames.fit import Frames
 from dnawaves.frames.strain import step_strains
 from dnawaves.motion.pair_frames import frames_in_time
-from dnawaves.rod.rod import BEND_1, EXTENSION, SHEAR_1, TWIST, Rod
+from dnawaves.rod.rod import BEND_1, EXTENSION, SHEAR_1, TWIST
 from dnawaves.system.modes import NormalModes, normal_modes
 from dnawaves.system.stiffness import axis_compliance, base_pair_frames, strain_compliance
 from dnawaves.units import A_PER_NM, BOLTZMANN_KJ_PER_MOL_K, KJ_PER_MOL_PER_PN_NM
@@ -34,49 +37,20 @@ PAIRS, SAMPLES = 12, 2000
 COLD_K = 0.03
 
 
-def twisted_rod() -> Rod:
-    """Return a rod like DNA: twisted, anisotropic, extension and twist coupled."""
-    stiffness = np.diag([500.0, 700.0, 1300.0, 100.0, 200.0, 150.0])
-    stiffness[EXTENSION, TWIST] = stiffness[TWIST, EXTENSION] = -90.0
-    turn = np.array([0.0, 0.0, 1.8])
-    return Rod(1900.0, np.diag([250.0, 250.0, 500.0]), stiffness, 0.34, omega0_rad_per_nm=turn)
+@pytest.fixture(scope="module")
+def benchmark() -> Iterator[ModuleType]:
+    folder = str(Path(__file__).resolve().parents[2] / "benchmarks")
+    sys.path.insert(0, folder)
+    yield importlib.import_module("thermal")
+    sys.path.remove(folder)
 
 
-def thermal_frames(rod: Rod, temperature_K: float, rng: np.random.Generator) -> Frames:
-    """Return frames (pairs, samples) of a rod's lattice in equilibrium, one sample by itself.
-
-    Each step is E exp(a strain) E with the half-step E at rest, its strain drawn from
-    exp(-a strain.K.strain/2kT).
-    """
-    a = rod.spacing_nm
-    energy = BOLTZMANN_KJ_PER_MOL_K * temperature_K
-    root = np.linalg.cholesky(energy / a * np.linalg.inv(rod.stiffness))
-    poses = np.tile(np.eye(4), (SAMPLES, 1, 1))
-    half = _screw(a / 2 * np.concatenate([rod.gamma0, rod.omega0_rad_per_nm])[np.newaxis])
-    kept = [poses]
-    for _ in range(PAIRS - 1):
-        strain = rng.standard_normal((SAMPLES, 6)) @ root.T
-        poses = poses @ half @ _screw(a * strain) @ half
-        kept.append(poses)
-    found = np.array(kept)
-    return Frames(
-        A_PER_NM * found[..., :3, 3].transpose(2, 0, 1), found[..., :3, :3].transpose(3, 2, 0, 1)
-    )
-
-
-def _screw(screws: Array) -> Array:
-    generators = np.zeros((len(screws), 4, 4))
-    x, y, z = screws[:, 3:].T
-    generators[:, 0, 1], generators[:, 0, 2], generators[:, 1, 2] = -z, y, -x
-    generators[:, :3, :3] -= generators[:, :3, :3].transpose(0, 2, 1)
-    generators[:, :3, 3] = screws[:, :3]
-    return np.asarray(scipy.linalg.expm(generators))
-
-
-def test_a_known_rod_comes_back_from_its_thermal_motion_at_every_length() -> None:
-    rod = twisted_rod()
+def test_a_known_rod_comes_back_from_its_thermal_motion_at_every_length(
+    benchmark: ModuleType,
+) -> None:
+    rod = benchmark.twisted_rod()
     straight = rod.averaged_about_axis()
-    frames = thermal_frames(rod, COLD_K, np.random.default_rng(1))
+    frames = benchmark.thermal_frames(rod, PAIRS, SAMPLES, COLD_K, np.random.default_rng(1))
     mass = RodMass(190.0, 5000.0, 2500.0)
     found = thermal_constants(thermal_strains([frames], COLD_K), mass, "thermal")
     expected = {

@@ -203,8 +203,9 @@ class RodLattice:
     plane: bool = False
     mass_blocks: Array | None = None
     factors: Sequence[float] = (0.3, 0.6, 1.0, 1.7, 3.0)
-    # Of the latest stiffness: friction, and scenes that share it (`replace`), need no other.
-    _last: dict[tuple[object, ...], ModalChain | None] = field(default_factory=dict)
+    # Of the latest stiffness: friction, and scenes that share it (`replace`), need no other. With
+    # what the key knows by identity, which lives as long as its entry.
+    _last: dict[tuple[object, ...], tuple[ModalChain | None, object]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name, entries in self.free.items():
@@ -265,10 +266,11 @@ class RodLattice:
         if key not in self._last:
             self._last.clear()
             try:
-                self._last[key] = self.solve(values)
+                solved = self.solve(values)
             except InputError:
-                self._last[key] = None
-        chain = self._last[key]
+                solved = None
+            self._last[key] = solved, (self.rod, self.mass_blocks)
+        chain, _ = self._last[key]
         if chain is None:
             return None
         return self.respond(chain, self.pattern, values[FRICTION])[:, chain.free]
