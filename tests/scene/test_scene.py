@@ -122,7 +122,8 @@ def test_a_frozen_scene_and_system_read_back_as_they_were(
 def test_freezing_an_unknown_name_lists_the_known(write_configuration: Any, tmp_path: Path) -> None:
     path = write_configuration()
     with pytest.raises(
-        InputError, match="scene: found 'kick'; allowed: by_mode, driven, exact, kicked"
+        InputError,
+        match=r"scene: found 'kick' \(did you mean 'kicked'\?\); allowed: by_mode, driven, exact",
     ):
         freeze(path, "kick", None, tmp_path / "scene.json")
     with pytest.raises(

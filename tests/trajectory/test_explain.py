@@ -262,5 +262,7 @@ def test_explain_says_what_runs_above_0_k(tmp_path: Path) -> None:
 
 
 def test_an_unknown_scene_is_refused_with_the_known(config: Path) -> None:
-    with pytest.raises(InputError, match="found 'drivn'; allowed: driven, loaded"):
+    with pytest.raises(
+        InputError, match=r"'drivn' \(did you mean 'driven'\?\); allowed: driven, loaded"
+    ):
         explain(config, "drivn", config.parent)

@@ -57,7 +57,10 @@ def load_scene(path: Path, name: str) -> SceneSpec:
 def named(path: Path, kind: str, name: str, known: Mapping[str, Spec]) -> Spec:
     """Return the scene or system of that name; raises `InputError` with all names there are."""
     if name not in known:
-        raise InputError(f"{path}: {kind}: found {name!r}; allowed: {', '.join(sorted(known))}")
+        hint = _hint(name, known)
+        raise InputError(
+            f"{path}: {kind}: found {name!r}{hint}; allowed: {', '.join(sorted(known))}"
+        )
     return known[name]
 
 
@@ -209,6 +212,11 @@ def _told(error: ValidationError) -> list[ErrorDetails]:
     ]
 
 
+def _hint(found: str, known: Iterable[str]) -> str:
+    near = difflib.get_close_matches(found, known, n=1)
+    return f" (did you mean '{near[0]}'?)" if near else ""
+
+
 def _explain_one(path: Path, error: ErrorDetails) -> str:
     location = [str(part) for part in error["loc"]]
     model, where, field = _locate(location)
@@ -216,9 +224,7 @@ def _explain_one(path: Path, error: ErrorDetails) -> str:
     message = error["msg"].removeprefix("Value error, ")
     if error["type"] == "extra_forbidden":
         known = [its.alias or name for name, its in model.model_fields.items()]
-        near = difflib.get_close_matches(field[-1], known, n=1)
-        hint = f" (did you mean '{near[0]}'?)" if near else ""
-        return f"{start}: found an unknown key{hint}; allowed: {_listed(known)}"
+        return f"{start}: found an unknown key{_hint(field[-1], known)}; allowed: {_listed(known)}"
     if error["type"] == "missing":
         return f"{start}: found nothing; allowed: it must be given"
     if error["type"] == "value_error":
