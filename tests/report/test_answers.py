@@ -85,6 +85,25 @@ def test_several_structures_have_the_say_where_they_decide(results: Results) -> 
         assert "over 5 inherent structures" in line.more
 
 
+@pytest.mark.parametrize(("word", "said"), [("agree", "bend"), ("disagree", "the lowest bend")])
+def test_a_shorter_wave_that_was_judged_otherwise_is_told(
+    results: Results, word: str, said: str
+) -> None:
+    table = results.table
+    lowest = lead(table[table["wave"] == "bend"])
+    assert lowest is not None
+    shorter = lowest.copy()
+    shorter["frequency_GHz"] *= 2
+    lowest["verdict_paper"], shorter["verdict_paper"] = "agree", word
+    shorter[["ratio_to_paper", "ratio_to_paper_low", "ratio_to_paper_high"]] = 1.2, 1.1, 1.3
+    rest = table[table["wave"] != "bend"]
+    table = pd.concat([rest, lowest.to_frame().T, shorter.to_frame().T], ignore_index=True)
+    paper = answers(replace(results, table=table))[0]
+    assert f"Yes for {said}." in paper.answer
+    line = next(line for line in paper.lines if line.wave == "bend")
+    assert line.more.endswith(f"shorter waves: 1.20 (1.10–1.30), {word}")
+
+
 def test_false_alarms_are_counted_and_bounded(results: Results) -> None:
     # One search in one null: a rate below 95 % is all that one clean trial shows.
     assert "0 of 1 searches saw a wave" in false_alarms(results.table)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import pandas as pd
 
 from dnawaves.comparison.agreement import lowest_first
-from dnawaves.comparison.compare import NULL_WORDS, ONE, sound, speed_of
+from dnawaves.comparison.compare import NULL_WORDS, ONE, doubt, sound, speed_of
 from dnawaves.comparison.judge import CONFIDENCE, Band, largest_rate
 from dnawaves.comparison.predictions import constant
 from dnawaves.report.gather import Results, SystemResults
@@ -47,6 +47,8 @@ class Line:
     word: str
     number: str
     more: str
+    # Shorter waves of the same structure were judged otherwise.
+    lowest_alone: bool = False
 
 
 @dataclass(frozen=True)
@@ -60,10 +62,26 @@ class Answer:
 
 @dataclass(frozen=True)
 class Finding:
-    """An estimate that has a say: of one structure, of several, or of thermal motion."""
+    """An estimate that has a say: of one structure, of several, or of thermal motion.
+
+    `shorter` are the sound estimates from shorter standing waves beside it.
+    """
 
     where: str
     row: pd.Series
+    shorter: tuple[pd.Series, ...] = ()
+
+    def words(self, rod: str) -> list[str]:
+        """Return how the shorter waves were judged against a rod."""
+        return [str(one[f"verdict_{rod}"]) for one in self.shorter]
+
+    def told(self, rod: str) -> str:
+        """Return the ratios of the shorter waves to a rod's; empty where there are none."""
+        ratios = (
+            f"{_ratio(one, rod)}, {word}"
+            for one, word in zip(self.shorter, self.words(rod), strict=True)
+        )
+        return f"; shorter waves: {'; '.join(ratios)}" if self.shorter else ""
 
 
 def answers(results: Results) -> list[Answer]:
@@ -136,7 +154,21 @@ def _findings(results: Results, wave: str) -> Iterator[Finding]:
         if spoken is not None:
             kelvin = results.systems[name].spec.environment.temperature_K
             place = f"{kelvin:g} K" if name in warm else "one structure"
-            yield Finding(f"{place}, {spoken['estimator']}", spoken)
+            yield Finding(
+                f"{place}, {spoken['estimator']}",
+                spoken,
+                _shorter(single[single["system"] == name], spoken),
+            )
+
+
+def _shorter(rows: pd.DataFrame, lowest: pd.Series) -> tuple[pd.Series, ...]:
+    """Return the sound standing waves above the lowest one, by frequency."""
+    if lowest["estimator"] != "standing wave":
+        return ()
+    standing = rows[(rows["estimator"] == "standing wave") & (rows["method"] == lowest["method"])]
+    above = standing[standing["frequency_GHz"] > lowest["frequency_GHz"]]
+    sure = [one for _, one in lowest_first(above).iterrows() if not doubt(one)]
+    return tuple(sure)
 
 
 def _judged(found: Mapping[str, Sequence[Finding]], rod: str, question: str, unit: str) -> Answer:
@@ -152,7 +184,7 @@ def _judged(found: Mapping[str, Sequence[Finding]], rod: str, question: str, uni
             continue
         chosen = (decided or judged)[0]
         others = [
-            f"{one.where}: {_ratio(one.row, rod)}, {one.row[f'verdict_{rod}']}"
+            f"{one.where}: {_ratio(one.row, rod)}, {one.row[f'verdict_{rod}']}{one.told(rod)}"
             for one in judged
             if one is not chosen
         ]
@@ -162,7 +194,8 @@ def _judged(found: Mapping[str, Sequence[Finding]], rod: str, question: str, uni
                 wave,
                 str(chosen.row[f"verdict_{rod}"]),
                 f"{_ratio(chosen.row, rod)} {unit}",
-                "; ".join([chosen.where + why, *others]),
+                "; ".join([chosen.where + why + chosen.told(rod), *others]),
+                not {"", "undecided", chosen.row[f"verdict_{rod}"]} >= {*chosen.words(rod)},
             )
         )
     return Answer(question, _sentence(lines), lines)
@@ -180,7 +213,11 @@ def _sentence(lines: Sequence[Line]) -> str:
     said = {"agree": "Yes", "disagree": "No", "undecided": "Undecided"}
     parts = []
     for word, start in said.items():
-        waves = [line.wave for line in lines if line.word == word]
+        waves = [
+            f"the lowest {line.wave}" if line.lowest_alone else line.wave
+            for line in lines
+            if line.word == word
+        ]
         if len(waves) == len(lines):
             return f"{start}: {listed(waves)}."
         if waves:
