@@ -7,12 +7,13 @@ Chandrasekaran & Arnott (1996) J. Biomol. Struct. Dyn. 13, 1015 (calf thymus B-D
 from __future__ import annotations
 
 import csv
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from dnawaves.scene.sequence import check_sequence, reverse_complement
 from dnawaves.units import A_PER_NM
@@ -36,6 +37,20 @@ class FibreDuplex:
     residue_ids: NDArray[np.int64]
     chain_ids: NDArray[np.str_]
     positions_nm: NDArray[np.float64]
+
+    @classmethod
+    def of(
+        cls, atoms: Sequence[tuple[str, str, int, str]], places_A: Sequence[ArrayLike]
+    ) -> FibreDuplex:
+        """Return a duplex of atoms (name, residue, number, chain) at places (3,) in Å."""
+        names, residues, residue_ids, chains = zip(*atoms, strict=True)
+        return cls(
+            atom_names=np.array(names),
+            residue_names=np.array(residues),
+            residue_ids=np.array(residue_ids, dtype=np.int64),
+            chain_ids=np.array(chains),
+            positions_nm=np.array(places_A) / A_PER_NM,
+        )
 
 
 @cache
@@ -69,14 +84,7 @@ def fibre_duplex(sequence: str) -> FibreDuplex:
                     continue
                 atoms.append((name, f"D{base}", index + 1, chain))
                 positions.append(_place(cylindrical, pair, chain))
-    names, residues, residue_ids, chains = zip(*atoms, strict=True)
-    return FibreDuplex(
-        atom_names=np.array(names),
-        residue_names=np.array(residues),
-        residue_ids=np.array(residue_ids, dtype=np.int64),
-        chain_ids=np.array(chains),
-        positions_nm=np.array(positions) / A_PER_NM,
-    )
+    return FibreDuplex.of(atoms, positions)
 
 
 def _place(cylindrical: tuple[float, float, float], pair: int, chain: str) -> NDArray[np.float64]:

@@ -12,7 +12,6 @@ from dnawaves.duplex.build import heavy_topology, with_hydrogens
 from dnawaves.duplex.fibre import FibreDuplex
 from dnawaves.errors import InputError
 from dnawaves.scene.structure_file import read_strands
-from dnawaves.units import A_PER_NM
 
 
 def read_duplex(
@@ -43,11 +42,4 @@ def _in_order(path: Path) -> FibreDuplex:
             for name, place_A in nucleotide.places_A.items():
                 atoms.append((name, f"D{nucleotide.letter}", number, chain))
                 places_A.append(place_A)
-    names, residues, residue_ids, chains = zip(*atoms, strict=True)
-    return FibreDuplex(
-        atom_names=np.array(names),
-        residue_names=np.array(residues),
-        residue_ids=np.array(residue_ids, dtype=np.int64),
-        chain_ids=np.array(chains),
-        positions_nm=np.array(places_A) / A_PER_NM,
-    )
+    return FibreDuplex.of(atoms, places_A)

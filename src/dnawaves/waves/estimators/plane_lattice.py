@@ -14,7 +14,7 @@ from dnawaves.rod.chain import PlaneChain
 from dnawaves.rod.modal import ModalChain, free_pairs
 from dnawaves.rod.rod import Rod
 from dnawaves.units import A_PER_NM
-from dnawaves.waves.estimators.lattices import FRICTION, FRICTIONS_PER_PS, Likeness
+from dnawaves.waves.estimators.lattices import FRICTION, FRICTIONS_PER_PS, LIKELIEST, Likeness
 from dnawaves.waves.estimators.sources import Respond
 
 Array = NDArray[np.float64]
@@ -76,7 +76,7 @@ class PlaneLattice:
         return np.array([self.velocity(values) for values in self.searched])
 
     def starts(self, likeness: Likeness) -> list[dict[str, float]]:
-        likeliest = np.argsort(-likeness(self.answers))[:4]
+        likeliest = np.argsort(-likeness(self.answers))[:LIKELIEST]
         return [self.searched[int(i)] for i in likeliest]
 
     def velocity(self, values: Mapping[str, float]) -> Array | None:
