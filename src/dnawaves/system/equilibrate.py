@@ -29,7 +29,7 @@ from dnawaves.system.effects.thermostat import langevin_middle
 from dnawaves.system.equilibration_record import Record, load_record
 from dnawaves.system.equilibrium_file import equilibrium_dataset
 from dnawaves.system.geometry import sugar_anchors
-from dnawaves.system.saving import steps_between_checkpoints
+from dnawaves.system.saving import parts_between_checkpoints
 from dnawaves.units import BOLTZMANN_KJ_PER_MOL_K
 
 Array = NDArray[np.float64]
@@ -93,8 +93,9 @@ def equilibrate(
     """
     equilibration = built.spec.environment.to_snapshots
     course = course_of(equilibration)
-    steps = steps_between_checkpoints(built.spec.environment, built.topology.getNumAtoms())
-    piece = samples_per_piece or max(1, round(steps / STEPS_PER_SAMPLE))
+    piece = samples_per_piece or parts_between_checkpoints(
+        built.spec.environment, built.topology.getNumAtoms(), STEPS_PER_SAMPLE
+    )
     run = _run(built, piece, threads)
     record = load_record(checkpoint, run) if checkpoint else None
     if record is None:

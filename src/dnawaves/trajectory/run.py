@@ -14,7 +14,7 @@ from dnawaves.files import digest, provenance
 from dnawaves.scene.excitations import Kick, StandingWave, Static
 from dnawaves.scene.models import SceneSpec
 from dnawaves.system.duplex import SimulatedDuplex
-from dnawaves.system.saving import steps_between_checkpoints
+from dnawaves.system.saving import parts_between_checkpoints
 from dnawaves.trajectory.checkpoint import Checkpoints
 from dnawaves.trajectory.dynamics import Frame, Saved
 from dnawaves.trajectory.guard import Guard
@@ -57,8 +57,9 @@ def run_member(
         Copy(duplex, scene, plan, sign * scale, threads, platform, snapshot) for sign in signs
     ]
     title = f"{scene.name} {member}"
-    steps = steps_between_checkpoints(duplex.spec.environment, len(duplex.masses_Da)) / len(copies)
-    every = frames_per_checkpoint or max(1, round(steps / plan.steps_per_frame))
+    every = frames_per_checkpoint or parts_between_checkpoints(
+        duplex.spec.environment, len(duplex.masses_Da), plan.steps_per_frame, len(copies)
+    )
     recorder = Recorder(
         duplex, scene, plan, signs, keep_atoms=bool(trajectories), platform=platform
     )
